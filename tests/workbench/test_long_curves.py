@@ -8,7 +8,7 @@ from solver import solve
 from studies import load
 from studies.language.loader import loads
 from tests.workbench import small, stored_figures
-from workbench.figures import drawn_numbers, one_rod, unrolled
+from workbench.figures import drawn_numbers, one_rod, unrolled, waves
 from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.fonts import SMALL
 from workbench.figures.sheet import sheet

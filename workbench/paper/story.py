@@ -44,7 +44,7 @@ WIDE = (
         (4.6, 2.87, 1.9, 0.08),
     ),
 )
-NARROW = 5.63, ((0.0, 4.03, 1.3, 1.45), (0.02, 2.33, 3.46, 1.55), (1.85, 4.41, 1.6, 0.8), (1.5, 0.2, 1.95, 0.58),
+NARROW = 5.63, ((0.0, 4.03, 1.3, 1.45), (0.02, 2.33, 3.46, 1.55), (1.85, 4.41, 1.45, 0.8), (1.5, 0.2, 1.95, 0.58),
                 (1.95, 2.14, 1.2, 0.05))  # fmt: skip
 # the letters of the panels in one column or two, as one reads them, and their left and upper edges
 LETTERS = {
@@ -110,16 +110,17 @@ def figure(datasets: Mapping[str, StoredStudy], page: Sheet) -> Figure:
         row(datasets[ALONG], axes[1], axes[4])
         verdict = law(datasets[ALONG], axes[2])
         claims(datasets[CLAIMS], axes[3])
-        said = [
-            "(a) The first part of the rod of Table 1, with its letters.",
-            f"(b) The rods along {labels.axis_symbol(datasets[ALONG].axes[0])} in the colours of the push.",
-            f"(c) {verdict}",
-            "(d) The claims of the paper under each reading of Table 1: these differ in the twist, the sign of F₃₀ and "
-            f"the stiffness. {STIFFNESSES_SAID}",
+        told = [
+            "The first part of the rod of Table 1, with its letters.",
+            f"The rods along {labels.axis_symbol(datasets[ALONG].axes[0])} in the colours of the push.",
+            verdict,
+            "The claims of the paper under each reading of Table 1: these differ in the twist, the sign of F₃₀ and the "
+            f"stiffness. {STIFFNESSES_SAID}",
         ]
         for text, (x, y) in zip(*LETTERS[page.narrow], strict=True):
             fig.text(x * share / page.width, y / height, text, weight="bold", size=fonts.large(), va="top")
-        canvas.add_to_caption(fig, said)
+        captions = sorted(zip(LETTERS[page.narrow][0], told, strict=True))
+        canvas.add_to_caption(fig, [f"({letter}) {text}" for letter, text in captions])
 
     return canvas.figure((page.width, height), draw, layout=None, sheet=page)
 

@@ -202,7 +202,8 @@ def definitions(expressions: Mapping[str, str], formulas: Iterable[str]) -> list
             if name in expressions and name not in named:
                 named[name] = f"{_symbol(expressions, name)} = {_in_symbols(expressions, expressions[name])}"
                 left.append(expressions[name])
-    return [f"Here {minus_signs(typeset('; '.join(named.values())))}."] if named else []
+    text = minus_signs(typeset("; ".join(named.values()))).replace("= -", "= −")
+    return [f"Here {text}."] if named else []
 
 
 def _in_symbols(expressions: Mapping[str, str], formula: str) -> str:
