@@ -110,7 +110,7 @@ def figure(datasets: Mapping[str, StoredStudy], page: Sheet) -> Figure:
         row(datasets[ALONG], axes[1], axes[4])
         verdict = law(datasets[ALONG], axes[2])
         claims(datasets[CLAIMS], axes[3])
-        told = [
+        sentences = [
             "The first part of the rod of Table 1, with its letters.",
             f"The rods along {labels.axis_symbol(datasets[ALONG].axes[0])} in the colours of the push.",
             verdict,
@@ -119,7 +119,7 @@ def figure(datasets: Mapping[str, StoredStudy], page: Sheet) -> Figure:
         ]
         for text, (x, y) in zip(*LETTERS[page.narrow], strict=True):
             fig.text(x * share / page.width, y / height, text, weight="bold", size=fonts.large(), va="top")
-        captions = sorted(zip(LETTERS[page.narrow][0], told, strict=True))
+        captions = sorted(zip(LETTERS[page.narrow][0], sentences, strict=True))
         canvas.add_to_caption(fig, [f"({letter}) {text}" for letter, text in captions])
 
     return canvas.figure((page.width, height), draw, layout=None, sheet=page)
