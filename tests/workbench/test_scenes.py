@@ -198,7 +198,8 @@ def test_strands_of_dna_turn_right_handed_with_the_material_and_have_a_base_pair
         material = np.ptp(ds["gamma"].values)  # rises along this rod
         assert turned[-1] - turned[0] == pytest.approx(2 * np.pi * 147 / 10.5 + material, rel=1e-6)
     assert [words for _, words in dna_strands.marks(rod)] == ["base pair 1", "dyad", "base pair 147"]
-    assert kind.numbers(rod.line, ds.units) == ["the push of the cylinder: 1.19 pN/nm everywhere"]
+    said = "the push at 5 pN tension and −4.44 pN nm torque: 1.19 pN/nm everywhere"
+    assert kind.numbers(rod.line, ds) == [said]
     with pytest.raises(InputError, match="0 base pairs"):
         dna_strands.pairs_of(replace(rod, span=(0.0, 0.1)))
 

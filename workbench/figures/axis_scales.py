@@ -30,8 +30,8 @@ class RoomLocator(Locator):
     """Round numbers of Matplotlib's locators, as many as have room on the axis when it is drawn.
 
     At 1, 2 and 5 times powers of ten on a logarithmic axis, within a decade at 4 times too, or at the powers alone;
-    evenly spaced where `FEW` such numbers do not lie on it; two at least, where two have room. of: ``counts`` are whole; ``angles`` over more than
-    `NARROW` degrees are parts and multiples of a right angle.
+    evenly spaced where `FEW` such numbers do not lie on it; two at least, where two have room. of: ``counts`` are
+    whole; ``angles`` over more than `NARROW` degrees are parts and multiples of a right angle.
     """
 
     def __init__(self, of: str = "numbers") -> None:

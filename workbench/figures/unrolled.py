@@ -531,8 +531,8 @@ def edges_of(rod: DrawnRod) -> list[tuple[Values, Values]]:
 
 def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> list[tuple[Any, Any]] | None:
     """Where a rod passes through itself on the unrolled cylinder: z and distance around, and how far its two stretches
-    are apart there, (2,) each; two places where it comes back after a turn, NaN apart. A tight bend has no ring within a
-    radius of the rod of another one. None for a rod that is too long.
+    are apart there, (2,) each; two places where it comes back after a turn, NaN apart. A tight bend has no ring within
+    a radius of the rod of another one. None for a rod that is too long.
 
     radius: the distance from the axis, so that stretches that cross one over the other off the wall are none.
     """

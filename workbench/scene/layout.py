@@ -149,7 +149,7 @@ def _single(
         held = {name: float(stored[name].values[i]) for name, i in where.items() if name != along}
         line = [rods.of_case(stored, each, kind, settings.span)[0] for each in stored.places(along, held)]
         context = [each for each in line if each]
-    notes = [*kind.numbers(body.line, stored.units), *kind.notes]
+    notes = [*kind.numbers(body.line, stored.select(where)), *kind.notes]
     if where != chosen:
         notes += [f"{scene_kinds.case_values(stored, chosen)} is not solved; this is the nearest solved case"]
     down = gravity(stored, where)

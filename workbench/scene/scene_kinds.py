@@ -187,7 +187,7 @@ class SceneKind:
     caption
         Sentences of the caption.
     numbers
-        What is said in numbers of the rod of a scene of one, from its curve and the units.
+        What is said in numbers of the rod of a scene of one, from its curve and its case.
     """
 
     name: str
@@ -202,7 +202,7 @@ class SceneKind:
     most: int = 9
     notes: tuple[str, ...] = ()
     caption: tuple[str, ...] = ()
-    numbers: Callable[[Centreline, dict[str, str]], list[str]] = lambda line, units: []
+    numbers: Callable[[Centreline, StoredStudy], list[str]] = lambda line, case: []
 
     def value_in(self, units: dict[str, str]) -> Callable[[Centreline, Array], Array] | None:
         """The value in the unit in which it is stated, None for one colour."""
@@ -215,13 +215,19 @@ class SceneKind:
 PAIRS, RISE = 10.5, 0.34  # base pairs of DNA in a turn of its strands; nm from one to the next
 
 
-def push_in_numbers(line: Centreline, units: dict[str, str]) -> list[str]:
-    """The least and the largest push of the cylinder, or the one that it has all along."""
+def push_in_numbers(line: Centreline, case: StoredStudy) -> list[str]:
+    """The least and the largest push of the cylinder, or the one that it has all along, and the loads of the case."""
+    units = case.units
     push = line.push(np.linspace(line.s[0], line.s[-1], 4 * line.s.size))
     unit = labels.unit(unit_habits.unit_shown("push_max", units))
     push *= unit_habits.size_shown("push_max", units)
     low, high = (labels.minus_signs(labels.number(float(end), 3)) for end in (push.min(), push.max()))
-    return [f"the push of the cylinder: {f'{low} {unit} everywhere' if low == high else f'{low} to {high} {unit}'}"]
+    tension = float(case["F3"]) if "F3" in case else case.study.base.F3 or 0.0
+    given = ("tension", "F3", tension), ("torque", "M3", float(case["M3"]))
+    each = [(what, unit_habits.value_with_unit(name, size, units, 3)) for what, name, size in given if size]
+    loads = labels.minus_signs(" and ".join(f"{size} {what}" for what, size in each))
+    said = f"{low} {unit} everywhere" if low == high else f"{low} to {high} {unit}"
+    return [f"the push{f' at {loads}' * bool(loads)}: {said}"]
 
 
 STRANDS = tuple(zip(colours.STRANDS, ("one strand", "the other strand", "base pairs"), strict=True))
