@@ -37,6 +37,8 @@ HERO = composition.Settings(dpi=160, size=(860, 600))  # of the animated picture
 # there and back: 120 frames; slow near both ends, so that nothing jumps where the loop begins again
 FORCES = [-10.0 - 25.0 * (1 - cos(pi * k / 60)) for k in range(61)]
 OWN = ("inside", "long")  # drawn as `contact`
+# from where both ends are seen; the colours of most of the rod, as its tightest bends have six times the push
+LOOKS = {"inside": composition.Settings(dpi=DPI, camera="140,15", color_range=(-200.0, 200.0))}
 RODS = Path(__file__).with_name("scene_rods")  # the studies of the pictures that are of no shipped study
 ROD, VIEWS = "rod", ("plain", "contact", "curvature", "twist")  # four kinds of one rod, two by two
 BAR_BELOW = 0.4  # inches from a view to the scale below it
@@ -84,7 +86,8 @@ def _draw_scene(rods: StoredStudy, path: Path) -> None:
         film.write([path], film.frames(rods, film.Film("F3", {}, settings=HERO)), back=True)
         return
     kind, axes = "contact" if path.stem in OWN else path.stem, ["F1", "F3"] if path.stem == "grid" else []
-    layout.render(rods, path, None, kind, axes, settings=composition.Settings(dpi=DPI), level=9)
+    settings = LOOKS.get(path.stem, composition.Settings(dpi=DPI))
+    layout.render(rods, path, None, kind, axes, settings=settings, level=9)
 
 
 def _draw_four_views(rods: StoredStudy, path: Path) -> None:

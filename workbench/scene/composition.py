@@ -28,6 +28,7 @@ COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of
 TICK = 0.05, 1.3
 ITSELF = "the rod passes through itself"
 UNSEEN = ", where in sight"
+FLAT, BELOW = 1e-3, 0.1  # the slope of a cylinder without a top; inches from the wall to the words of an end
 CUT, ALONG = " (as far as the cylinder does not hide it)", 65  # places along a line at which that is asked
 BEHIND = "a stretch behind the cylinder"
 
@@ -214,7 +215,10 @@ def colour_rods(scene: Scene) -> tuple[Scene, list[str]]:
             paint = set_range(paint, chosen)
             beyond = [f"up to {labels.number(extremes[1])}"] if extremes[1] > paint.high else []
             beyond += [f"down to {labels.number(extremes[0])}"] if extremes[0] < paint.low else []
-            notes = [f"{paint.label}: {', '.join(beyond)}"] if beyond else []
+            ends = {(False, True): "min", (True, False): "max", (True, True): "both"}
+            past = extremes[1] > paint.high, extremes[0] < paint.low
+            paint = replace(paint, extend=ends.get(past, "neither"))
+            notes = [f"beyond the colours: {', '.join(beyond)}"] if beyond else []
     rows = [
         [replace(view, bodies=[replace(body, paint=paint) for body in view.bodies]) for view in row]
         for row in scene.rows
@@ -275,6 +279,7 @@ def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
             if body.paint.strands
             for places, words in dna_strands.marks(body)
         ]
+        lines += [(places, signs.LEADER, words) for places, words in _marks_of_ends(scene, view, arranged.scale)]
         for places, sign, words in lines:
             if places.size:
                 marks.append(Mark(in_picture(places[[0, -1]]), sign, words))
@@ -303,6 +308,21 @@ def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str, st
         for at, away, force, error in body.pushes:
             start, tip = view.arrow(body, at, away, ARROW * body.R * force / largest, scene.camera)
             yield start + share * (tip - start), signs.FORCE, f"{with_error(force, error, force)} {units['force']}"
+
+
+def _marks_of_ends(scene: Scene, view: View, scale: float) -> Iterator[tuple[Array, str]]:
+    """A line from where the only rod of a scene begins, in a cylinder that lies on the page, to its words below the
+    wall, (2, 3) as it is turned; of a rod with weight which end is the top. scale: inches per length."""
+    page, alone = scene.camera.page, [body for each in scene.views for body in each.bodies]
+    if len(scene.views) > 1 or len(alone) != 1 or abs(page[0, 2]) <= abs(page[1, 2]) or alone[0].side != "inside":
+        return
+    (body,) = alone
+    down = -page[1] * [1, 1, 0] / np.linalg.norm(page[1, :2])
+    slope = 0.0 if scene.camera.down is None else float(scene.camera.down[2])
+    names = ("bottom", "top")[:: 1 if slope < 0 else -1] if abs(slope) > FLAT else ("", "")
+    for foot, name, s in zip(view.places(body)[[0, -1]], names, ("s = 0", ""), strict=True):
+        if words := ", ".join(filter(None, (s, name))):
+            yield np.stack([foot, foot + (body.R + BELOW / scale - foot @ down) * down]), words
 
 
 def _hides(scene: Scene, kind: str) -> bool:

@@ -315,7 +315,7 @@ class Page:
         """The bars of the scene, and the legend where it stands beside them."""
         scene, x, shown, unit = self.scene, 0.05, self.scene.bars, self.scene.stored.units["length"]
         if self.has_true_scale:
-            corner = x, y - true_scale.HIGH - 0.2
+            corner = x, y - true_scale.HIGH - 0.1
             true_scale.draw(self.ax, scene.views[0], scene.camera, corner, self.place[2] - 2 * x, unit)
         if scene.camera.seen_from is not None and "glyph" in shown:
             signs.draw_glyph(self.ax, x, y, scene.camera.seen_from)

@@ -30,8 +30,9 @@ class Paint:
     """The colour of a tube: one for all, or by a value along it between `low` and `high`.
 
     stripe: the colour of a stripe that turns with the material; default: none. label: what the bar of its colours is
-    called, the quantity with its unit; default: no bar. foot: where the bar begins; default: at `low`. strands: the
-    colours of two strands and of base pairs, which are drawn in place of the tube.
+    called, the quantity with its unit; default: no bar. foot: where the bar begins; default: at `low`. extend: at which
+    of its ends an arrow stands for values beyond, as of `Figure.colorbar`. strands: the colours of two strands and of
+    base pairs, which are drawn in place of the tube.
     """
 
     colour: str = colours.NEUTRAL
@@ -41,6 +42,7 @@ class Paint:
     stripe: str = ""
     label: str = ""
     foot: float | None = None
+    extend: str = "neither"
     strands: tuple[str, ...] = ()
 
 

@@ -122,7 +122,7 @@ def draw_bar(ax: Axes, paint: Paint, corner: tuple[float, float], size: tuple[fl
     """A colour bar with a few round values below and its quantity above; corner and size in inches of the panel."""
     place = ax.inset_axes((*corner, *size), transform=ax.transData)
     scale = ScalarMappable(Normalize(paint.low, paint.high), paint.ramp)
-    canvas.colour_bar([ax], scale, cax=place, orientation="horizontal")
+    canvas.colour_bar([ax], scale, cax=place, orientation="horizontal", extend=paint.extend)
     place.set_xlim(paint.low if paint.foot is None else paint.foot, paint.high)
     place.tick_params(labelcolor=colours.INK, pad=1)
     place.set_title(paint.label, size=fonts.SMALL, loc="left", pad=2)

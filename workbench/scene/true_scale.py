@@ -18,7 +18,7 @@ from .long_rod import UPRIGHT
 from .signs import EYE, draw_eye, draw_scale
 from .views import Camera, View
 
-HIGH = 1.1  # inches of all of it
+HIGH = 1.2  # inches of all of it
 STRIP = 0.24  # inches of the cylinder in the part at true scale
 HOLE = 0.3  # inches, the radius of the cylinder seen along its axis
 APART = 0.3  # inches between the two
