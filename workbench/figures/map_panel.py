@@ -210,9 +210,13 @@ def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inch
     for number in narrow.keys() - named:
         _, text, middle = narrow[number]
         place = cells.x.between(middle[1]), cells.y.between(middle[0])
-        away = (0, LED * (1 if middle[0] < cells.y.values.size / 2 else -1))
-        ax.annotate(text, place, away, textcoords="offset points", ha="center", va="center", size=fonts.small(),
-                    color=colours.INK, path_effects=[HALO], zorder=5, arrowprops=LEADER)  # fmt: skip
+        lead(ax, text, place, (0, LED * (1 if middle[0] < cells.y.values.size / 2 else -1)))
+
+
+def lead(ax: Axes, text: str, place: tuple[float, float], away: tuple[float, float], **look: Any) -> None:
+    """Write a text so many points (2,) away from a place, with a line to it; look: of `Axes.annotate`."""
+    ax.annotate(text, place, away, textcoords="offset points", ha="center", va="center", size=fonts.small(),
+                color=colours.INK, path_effects=[HALO], zorder=6, arrowprops=LEADER, **look)  # fmt: skip
 
 
 def _show_samples(ax: Axes, cells: Cells, name: str, inches: tuple[float, float]) -> None:

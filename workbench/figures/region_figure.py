@@ -20,7 +20,7 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, regions, unrolled
 from .equilibria_figure import one_shown
-from .map_panel import HALO
+from .map_panel import HALO, LED, lead
 from .sheet import SCREEN, Sheet
 
 HIGH = 0.62  # height of the map over its width
@@ -28,6 +28,7 @@ SHAPE, SMALL_SHAPE = 0.5, 0.3  # inches, the longer side of the largest shape, a
 NARROW = 4.0  # inches of a map
 MOST, APART, PAD = 4, 0.15, 0.09  # shapes in a region; inches between two of them, and more than a text has
 CLEAR = 0.06  # inches about a mark without letters
+WAYS = ((-1, 0), (1, 0), (0, 1), (0, -1), (-1, 1), (-1, -1), (1, 1), (1, -1))  # up and across, to a text without room
 GIVEN = ("the given rod", "the rod of Table 1")  # what the map was made of
 CURVES = {  # as of `_curves`
     ("fold", True): "fold of a stable and an unstable equilibrium",
@@ -212,20 +213,22 @@ def _name_regions(
     stored: StoredStudy, ax: Axes, numbers: Any, inches: tuple[float, float]
 ) -> tuple[list[str | Artist], list[int]]:
     """Write ``13 (2 stable)`` into each region with room, and all its stable shapes below it where they fit too; where
-    all regions have as many stable ones, ``13`` alone in all but the largest.
+    all regions have as many stable ones, ``13`` alone in all but the largest. A region without room has its text in
+    another one where that covers nothing, and a line to it.
 
     numbers: the region of each cell, -1 where no letters may stand. Returns what is said of the shapes, and the regions
     without room.
     """
     cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
     line, longest = 1.3 * fonts.small() / 72, SHAPE if inches[0] > NARROW else SMALL_SHAPE
-    left_out, drawn = list[int](), False
+    taken = numbers.copy()
+    left_out, texts, drawn = list[int](), dict[int, str](), False
     largest = np.bincount(numbers[numbers >= 0]).argmax()
     same = np.unique(stored["count_stable"].values).size == 1
     views = _views(stored)
     extent = max((float(np.ptp(view, axis=1).max()) for of in views for view in of), default=1.0)
     for k, (count, stable) in enumerate(zip(stored["count"].values, stored["count_stable"].values, strict=True)):
-        text = f"{count}" if same else f"{count} ({stable} stable)"
+        text = texts[k] = f"{count}" if same else f"{count} ({stable} stable)"
         full = _words(count, stable)
         sizes = [np.ptp(view, axis=1) / extent * longest + APART for view in views[k]]
         shapes = float(sum(size[0] for size in sizes)), float(max((size[1] for size in sizes), default=0.0))
@@ -240,6 +243,7 @@ def _name_regions(
             if middle is None:
                 continue
             up, across = (place / size for place, size in zip(middle, numbers.shape, strict=True))
+            _box(taken, middle, cell, (high + high_shapes + PAD, max(wide, across_shapes) + PAD))[:] = -1
             ax.text(across, up + high_shapes / 2 / inches[1], said, transform=ax.transAxes, ha="center", va="center",
                     size=fonts.small(), color=colours.INK, linespacing=1.1, path_effects=[HALO], zorder=6)  # fmt: skip
             if high_shapes:
@@ -252,8 +256,26 @@ def _name_regions(
             break
         else:
             left_out.append(k)
+    for k in [*left_out]:
+        size = line + PAD, fonts.width_of(texts[k], fonts.small()) + PAD
+        foot = regions.place(numbers == k, cell, (0.0, 0.0))
+        ways = [np.array([LED / 72, LED / 72 + size[1] / 2]) * way for way in WAYS] if foot else []
+        boxes = [(way, _box(taken, foot + way / cell, cell, size)) for way in ways]
+        if free := next(((way, box) for way, box in boxes if box.size and box.min() == box.max() >= 0), None):
+            free[1][:] = -1
+            up, across = (place / side for place, side in zip(foot, numbers.shape, strict=True))
+            lead(ax, texts[k], (across, up), (72 * free[0][1], 72 * free[0][0]), xycoords=ax.transAxes)
+            left_out.remove(k)
     note = f"Shapes: unrolled views of the stable equilibria, {fonts.WAYS}, all at one scale; dot: s = 0."
     return [note, SHAPES] * drawn, left_out
+
+
+def _box(numbers: Any, middle: Any, cell: tuple[float, float], size: tuple[float, float]) -> Any:
+    """The cells within a box of inches about a place of a map, (rows, columns); none where it leaves the map."""
+    half = np.divide(size, cell) / 2
+    low, high = (np.rint(middle + sign * half).astype(int) for sign in (-1, 1))
+    inside = (low >= 0).all() and (high <= numbers.shape).all()
+    return numbers[low[0] : high[0], low[1] : high[1]] if inside else numbers[:0]
 
 
 def _words(count: int, *stable: int) -> str:
