@@ -259,7 +259,9 @@ def _name_regions(
     for k in [*left_out]:
         size = line + PAD, fonts.width_of(texts[k], fonts.small()) + PAD
         foot = regions.place(numbers == k, cell, (0.0, 0.0))
-        ways = [np.array([LED / 72, LED / 72 + size[1] / 2]) * way for way in WAYS] if foot else []
+        if foot is None:
+            continue
+        ways = [np.array([LED / 72, LED / 72 + size[1] / 2]) * way for way in WAYS]
         boxes = [(way, _box(taken, foot + way / cell, cell, size)) for way in ways]
         if free := next(((way, box) for way, box in boxes if box.size and box.min() == box.max() >= 0), None):
             free[1][:] = -1
