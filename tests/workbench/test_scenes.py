@@ -762,3 +762,13 @@ def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
     assert max(at_rings) < 130, "of 255: a rod, which is darker than the cylinder"
     assert [text for _, text in taken.legend] == ["the rod passes through itself"]
     assert "the rod passes through itself" not in taken.notes
+
+
+@pytest.mark.parametrize(
+    "inclination, words", [("60deg", {"s = 0, bottom", "top"}), ("120deg", {"s = 0, top", "bottom"})]
+)
+def test_a_pipe_that_lies_on_the_page_has_its_beginning_and_its_top_marked(inclination: str, words: set[str]) -> None:
+    study = Path(__file__).parents[2] / "docs/scenes/pipe.toml"
+    text = study.read_text(encoding="utf-8").replace("60deg", inclination)
+    page = layout.compose(StoredStudy(in_memory.run(loads(text).at_stations(601))), settings=layout.Settings(4.0, 50))
+    assert {text.get_text() for text in page.ax.texts} >= words

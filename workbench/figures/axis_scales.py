@@ -62,31 +62,32 @@ class RoomLocator(Locator):
 
         fallback: list[float] = []
         crowded: list[list[float]] = []  # of which the first and the last may have room
-        for locator in self._candidates(vmax - vmin, logarithmic, within=vmax < 10 * vmin):
+        for locator, least in self._candidates(vmax - vmin, logarithmic, within=vmax < 10 * vmin):
             inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
             if not fits(inside):
                 crowded.append([inside[0], inside[-1]])
                 continue
-            if len(inside) >= (FEW if isinstance(locator, LogLocator) else 2):
+            if len(inside) >= least:
                 return inside
             fallback = max(fallback, inside, key=len)
         return fallback if len(fallback) > 1 else next(filter(fits, crowded), fallback)
 
-    def _candidates(self, span: float, logarithmic: bool, within: bool) -> Iterator[Locator]:
-        """Matplotlib's locators, from that of most ticks to that of one; within: a decade."""
+    def _candidates(self, span: float, logarithmic: bool, within: bool) -> Iterator[tuple[Locator, int]]:
+        """Matplotlib's locators, from that of most ticks to that of one, each with the ticks that it has at least;
+        within: a decade."""
         if logarithmic:
             if within:
-                yield LogLocator(subs=(1, 2, 4, 5), numticks=MOST)
-            yield LogLocator(subs=(1, 2, 5), numticks=MOST)
-            yield from (LogLocator(numticks=count) for count in range(MOST, 2, -1))
+                yield LogLocator(subs=(1, 2, 4, 5), numticks=MOST), FEW + 1
+            yield LogLocator(subs=(1, 2, 5), numticks=MOST), FEW
+            yield from ((LogLocator(numticks=count), FEW) for count in range(MOST, 2, -1))
         if self.of == "angles" and span > NARROW:
             steps = ANGLES if span < WHOLE else [step for step in ANGLES if step >= 90]
-            yield from (MultipleLocator(step) for step in steps if span <= MOST * step)
+            yield from ((MultipleLocator(step), 2) for step in steps if span <= MOST * step)
         counts = self.of == "counts"
         for count in range(MOST + counts, 0, -1):  # half a count more lies at either end of a bar of their colours
-            yield MaxNLocator(count, steps=[1, 2, 5, 10], integer=counts, min_n_ticks=1)
+            yield MaxNLocator(count, steps=[1, 2, 5, 10], integer=counts, min_n_ticks=1), 2
         for count in (3, 2):  # at 3, 4, 6 and 8 too, where so few at 1, 2 and 5 do not lie on it
-            yield MaxNLocator(count, steps=[1, 2, 3, 4, 5, 6, 8, 10], integer=counts, min_n_ticks=1)
+            yield MaxNLocator(count, steps=[1, 2, 3, 4, 5, 6, 8, 10], integer=counts, min_n_ticks=1), 2
 
 
 EDGE = 1e-9  # of an axis: a place so near to an edge of a cell lies on it
