@@ -40,7 +40,8 @@ def alike(values: Iterable[float], digits: int = 4) -> list[str]:
     ['6.580', '7.197', '0']
     """
     texts = [number(value, digits) for value in values]
-    most = max((len(re.sub(r"\D", "", text).lstrip("0")) for text in texts if "." in text), default=0)
+    pointed = [text for text in texts if "." in text and "e" not in text]
+    most = max((len(re.sub(r"\D", "", text).lstrip("0")) for text in pointed), default=0)
 
     def in_full(text: str) -> str:
         missing = most - len(re.sub(r"\D", "", text).lstrip("0"))

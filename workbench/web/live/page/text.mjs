@@ -19,7 +19,7 @@ export function number(value, digits = 4) {
 export function alike(values, digits = 4) {
   const texts = values.map((value) => number(value, digits)),
     count = (text) => text.replace(/\D/g, "").replace(/^0+/, "").length,
-    most = Math.max(0, ...texts.filter((text) => text.includes(".")).map(count));
+    most = Math.max(0, ...texts.filter((text) => text.includes(".") && !text.includes("e")).map(count));
   return texts.map((text) => {
     const missing = most - count(text);
     if (missing <= 0 || text.includes("e") || !/[1-9]/.test(text)) return text;
