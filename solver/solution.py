@@ -10,7 +10,7 @@ import numpy as np
 from .free.free_rods import FREE_TOLERANCE, answers_beside, trajectory_of
 from .free.let_go_descent import descent_of
 from .free.starting_curves import curves_of, let_go
-from .nodes.pipe_states import ends_turn, is_drawn, states
+from .nodes.pipe_states import azimuths, ends_turn, is_drawn, states
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
@@ -524,12 +524,11 @@ class FreeSolution(Solution):
             answer = self.trajectory.free.answers[i]
             shape = answer.shapes[-1]
             along = shape.at_stations(shape.nodes)
-            # nearer to the axis than the error of the shape a place has no azimuth: that of the next one
-            off = np.hypot(*shape.x[:, :2].T) > answer.error * shape.rod.span
-            azimuths = np.interp(shape.nodes, shape.nodes[off], along.turned[0, off]) if off.any() else 0 * shape.nodes
+            off, error = np.hypot(*shape.x[:, :2].T), answer.error * shape.rod.span
+            alpha = azimuths(shape.nodes, along.turned[0], off, error)
             drawn = is_drawn(along.force[:, 2], along.push)
             turns = ends_turn(bool(lies[i]), "azimuth" in fields_held(self.case))
-            each[i] = states(shape.nodes * rho[i], along.turned[1], azimuths, drawn, turns)
+            each[i] = states(shape.nodes * rho[i], along.turned[1], alpha, drawn, turns)
         return self._each(each)
 
     @cached_property

@@ -17,7 +17,6 @@ BENT = 0.1
 DYING = 0.7
 # of a bend: a straight piece beside it that is shorter is a part of it. x10: the tail of a bend is none
 SHORT = 0.25
-OUTWARD = [-1, 1]  # places by which the inner part of a sinusoid is wider, as few may show it. x10: longer bends
 # of the largest push along the rod: a smaller one is none, a hundred times the default tolerance. x10: as good
 SLIGHT = 1e-6
 ROUNDING = 1e-13  # of A/rho^3: a smaller pull is none. x10: as good
@@ -39,6 +38,16 @@ def least_pull(largest: Any, unit: Any = 1.0) -> Any:
     largest: the largest size of the push along the rod. unit: A/rho^3.
     """
     return SLIGHT * largest + ROUNDING * unit
+
+
+def azimuths(s: Array, alpha: Array, radius: Array, error: float) -> Array:
+    """The azimuth along a rod at places s (n,): nearer to the axis than the error of a place, where it has none, that of
+    the next place; 0 where it has none all along.
+
+    alpha: as computed, (n,). radius: the distance from the axis, (n,), in the unit of the error.
+    """
+    off = radius > error
+    return np.interp(s, s[off], alpha[off]) if off.any() else np.zeros(s.shape)
 
 
 def is_drawn(axial: Array, push: Array) -> Booleans:
@@ -83,8 +92,15 @@ def states(
     azimuth of that end is free, or no weight across tells it where to lie, a bend there has buckled.
     """
     aside = np.flatnonzero(beta)  # a beta of exactly 0 lies within a crossing
-    sign = np.sign(beta[aside])
-    crossings = aside[1:][sign[1:] != sign[:-1]]  # beta is 0 there, whatever it is at the next station
+    change = np.sign(beta[aside[1:]]) != np.sign(beta[aside[:-1]])
+    before, after = aside[:-1][change], aside[1:][change]
+    zeros = s[before] + (s[after] - s[before]) * beta[before] / (beta[before] - beta[after])
+    at = np.searchsorted(s, zeros)  # they are places too, so that the states of a reversed rod are the same
+    drawn = drawn if drawn is None else np.insert(drawn, at, drawn[at])
+    s, beta, alpha = (
+        np.insert(row, at, values) for row, values in ((s, zeros), (beta, 0.0), (alpha, np.interp(zeros, s, alpha)))
+    )
+    crossings = at + np.arange(at.size)
     cuts = [0, *crossings, s.size - 1]
     pieces = [piece for a, b in pairwise(cuts) if b > a for piece in _without_drawn(a, b, alpha, drawn)]
     parts, inner = list[StretchState](), list[tuple[float, float]]()
@@ -93,8 +109,7 @@ def states(
         way, size = np.abs(alpha[first : last + 1] - alpha[first]), np.abs(beta[first : last + 1])
         wound = (size[[0, -1]] > size.max() / 2) & ~np.isin([first, last], crossings)
         helical, tail = turned >= TAU or wound.all(), BENT * min(1.0, turned / TAU)
-        place = first + np.searchsorted(way, [tail, turned - tail])
-        leaves, arrives = s[np.clip(place + (0 if helical else OUTWARD), first, last)]
+        leaves, arrives = np.interp([tail, turned - tail], way, s[first : last + 1])
         short = SHORT * (arrives - leaves)
         whole = around if helical else [leaves - s[first] < short, s[last] - arrives < short]
         word = STRAIGHT if turned < BENT else HELICAL if helical else SINUSOIDAL
@@ -153,7 +168,7 @@ def _join(stretches: list[StretchState]) -> list[StretchState]:
         word, around = part.word, [other.word for other in stretches[max(0, i - 1) : i + 2] if other is not part]
         if word == STRAIGHT and STRAIGHT not in around:
             room = longest if len(around) == 2 else SHORT * longest * (around == [SINUSOIDAL])
-            word = around[0] if part.end - part.begin < room else word
+            word = SINUSOIDAL if SINUSOIDAL in around and part.end - part.begin < room else word
         if kept and kept[-1].word == word != HELICAL:
             kept[-1] = StretchState(word, kept[-1].begin, float(part.end))
         else:

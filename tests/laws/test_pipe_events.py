@@ -8,7 +8,7 @@ from scipy.interpolate import make_interp_spline
 
 from benchmarks.pipe_events import HELIX, SINUSOID, HalfWave, energy, events, push_min, wave_number
 from solver import Case, Cylinder, Ends, Rod, Start, observe, solve
-from solver.nodes.pipe_states import HELICAL, SINUSOIDAL, STRAIGHT, axial_force_along, states
+from solver.nodes.pipe_states import HELICAL, SINUSOIDAL, STRAIGHT, axial_force_along, azimuths, states
 from workbench.words import caution_words
 from workbench.words.pipe_profile import axial_force, profile
 
@@ -148,6 +148,27 @@ def test_a_bend_whose_middle_is_exactly_along_the_axis_is_a_bend() -> None:
     for values in (beta, on_places):
         assert [state.word for state in states(s, values, alpha)] == [SINUSOIDAL]
     assert states(s, on_places, 0.01 * alpha)[0].word == STRAIGHT
+
+
+@pytest.mark.parametrize("place", (2.0, 3.2, 5.0))
+def test_the_states_of_a_reversed_rod_are_the_reversed_states(place: float) -> None:
+    """A helix, a straight piece and a sinusoid, at places that no station is on."""
+    s = np.linspace(0.0, 20.0, 1501)
+    alpha = 12 / (1 + np.exp(-3 * (s - place))) + 0.4 * np.sin(3 * s) / (1 + np.exp(-4 * (s - 8.1)))
+    beta = np.gradient(alpha, s)
+    there = states(s, beta, alpha, None, (True, False))
+    back = states(s[-1] - s[::-1], beta[::-1], -alpha[::-1], None, (False, True))[::-1]
+    assert [part.word for part in there] == [part.word for part in back]
+    assert HELICAL in [part.word for part in there] and SINUSOIDAL in [part.word for part in there]
+    ends = [(s[-1] - part.end, s[-1] - part.begin) for part in back]
+    np.testing.assert_allclose([(part.begin, part.end) for part in there], ends, atol=1e-9)
+
+
+def test_the_azimuth_on_the_axis_is_that_of_the_next_place() -> None:
+    """It has none there, so an arbitrary one would be a bend at the end of the rod."""
+    s, radius = np.linspace(0.0, 1.0, 5), np.array([0.0, 0.1, 0.2, 0.1, 1e-9])
+    np.testing.assert_allclose(azimuths(s, np.array([0.0, 2, 3, 4, -7]), radius, 1e-6), [2, 2, 3, 4, 4])
+    assert not azimuths(s, s, 0 * s, 1e-6).any()
 
 
 @pytest.mark.parametrize("turns", (0.3, 0.9, 1.5))

@@ -15,6 +15,7 @@ from studies.grammar.axes import SAMPLE
 
 from ..geometry.centreline import Centreline, advice_to_store, cut
 from ..geometry.tube_tolerance import ROUNDING, DrawnCurve
+from ..stored.derived_arrays import azimuths_of
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 
@@ -196,9 +197,10 @@ def _arrays(some: StoredStudy, names: Sequence[str]) -> tuple[list[dict[str, Any
     """For each case s and the arrays of these names, None where it is not solved; and what is to be said.
 
     The cases are solved again at as many stations as the arrays need. Places along rods that may leave the cylinder
-    have their radius too. Raises `InputError`, also where the stations are too few.
+    have their radius too; an azimuth on the axis, where there is none, is that of the next place. Raises `InputError`,
+    also where the stations are too few.
     """
-    names = list(dict.fromkeys([*names, *["radius"] * (some.leaves and {"alpha", "z"} <= set(names))]))
+    names = list(dict.fromkeys([*names, *["radius"] * (some.leaves and "alpha" in names)]))
     count = int(some["outcome"].size)
     stations = int(np.clip(POINTS // count, 200, STATIONS if count > 1 else 4 * STATIONS)) + 1
     finer, reason, drawn, n = some, "", dict[int, list[DrawnCurve]](), 0
@@ -219,7 +221,10 @@ def _arrays(some: StoredStudy, names: Sequence[str]) -> tuple[list[dict[str, Any
         why = f" ({reason})" if reason else ""
         raise InputError(f"{n} stations are too few to draw {choices(names)}{why}: {advice_to_store(stations)}")
     notes = [f"Drawn at the {n} stored stations: {reason}."] if reason else []
-    return [_cut(drawn[k]) if k in drawn else None for k in range(count)], notes
+    tables = [_cut(drawn[k]) if k in drawn else None for k in range(count)]
+    if "alpha" in names:
+        tables = [row and {**row, "alpha": azimuths_of(case, row)} for case, row in zip(some.each(), tables, strict=True)]
+    return tables, notes
 
 
 def _curves_of(stored: StoredStudy, names: Sequence[str]) -> dict[int, list[DrawnCurve]]:

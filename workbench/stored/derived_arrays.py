@@ -205,6 +205,16 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
 }
 
 
+def azimuths_of(one: "StoredCases", arrays: Mapping[str, Any]) -> Any:
+    """The azimuth along a stored rod, (n,), from its arrays s, alpha and, of a rod that may leave the wall, radius: on
+    the axis, where it has none, that of the next place. `one`: its case."""
+    from solver.nodes.pipe_states import azimuths  # it loads the methods
+
+    if "radius" not in arrays:
+        return arrays["alpha"]
+    return azimuths(arrays["s"], arrays["alpha"], arrays["radius"], float(one["error"]) * float(arrays["s"][-1]))
+
+
 def states_of(one: "StoredCases", s: Any, beta: Any, alpha: Any, push: Any = None) -> "tuple[StretchState, ...]":
     """The states along a stored rod with weight or friction, from arrays along it, (n,) each; `one`: its case.
 

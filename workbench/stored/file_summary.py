@@ -18,7 +18,7 @@ from studies.laws import law_words
 from ..geometry.centreline import cut, spline
 from ..words import caution_words, labels
 from . import file_kinds, quantity_variables, reading, refined
-from .derived_arrays import states_of
+from .derived_arrays import azimuths_of, states_of
 from .solved_again import study_of
 from .stored_cases import HELD_INDEX, StoredCases
 from .stored_study import StoredStudy
@@ -130,9 +130,10 @@ def _state(case: StoredStudy, again: bool) -> "tuple[StretchState, ...] | str":
 
 def _between_stations(case: StoredStudy, *names: str) -> list[Any]:
     """s, and arrays along one rod from splines through the stations, at `PARTS` times as many places."""
-    s = case["s"].values
-    places = cut(s, PARTS)
-    return [places, *(spline(s, case.arrays.derive(name).values)(places) for name in names)]
+    known = {name: case.arrays.derive(name).values for name in (*names, *["radius"] * case.leaves)}
+    known["s"] = s = case["s"].values
+    known["alpha"], places = azimuths_of(case, known), cut(s, PARTS)
+    return [places, *(spline(s, known[name])(places) for name in names)]
 
 
 def _observables(ds: xr.Dataset) -> list[str]:
