@@ -185,12 +185,13 @@ def test_which_rods_pass_through_themselves() -> None:
     assert {True, False} == set(wanted)
 
 
-TIGHT = state(E=900.0, L=8.0)  # six bends of 0.41 of its radius at the least
+TIGHT = state(E=900.0, L=8.0)  # six bends of 0.41 of its radius at the least, each in one of eight overlaps
 
 
-@pytest.mark.parametrize(("made", "count"), [(state(), 5), (TIGHT, 14)])
+@pytest.mark.parametrize(("made", "count"), [(state(), 5), (TIGHT, 8)])
 def test_a_rod_is_ringed_where_the_stills_ring_it(made: dict, count: int) -> None:
-    script = SHAPE + "answer([...self_contact.crossings(shape), ...self_contact.tightBends(shape)]);"
+    script = SHAPE + "const crossed = self_contact.crossings(shape);"
+    script += "answer([...crossed, ...self_contact.tightBends(shape, crossed)]);"
     found = np.array(run(script, made, (*MODULES, "self_contact")))
     line = StoredStudy(solve(case_of(made), stations=2001).to_dataset()).centreline
     wanted = np.array(solid_body.middles(line, (0.0, line.L)))

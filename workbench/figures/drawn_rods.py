@@ -21,6 +21,7 @@ from ..words import labels
 
 STATIONS = 1000  # along each rod at least, two for each pixel of a panel
 POINTS = 60_000  # of all rods together, which those are tried first have at most
+FEW = 3  # values that are not shown are named
 ROUNDS = 6  # each finds more stations where the round before saw that a curve or a colour needs them
 SHADES = 256  # a curve, and so a colour, may be off by one part in so many of its range
 LEAST = 1e-300  # above zero
@@ -121,7 +122,7 @@ def choose(
     at: Mapping[str, float] | None = None,
     most: int = 60,
 ) -> DrawnRods:
-    """The rods along an axis, at most so many, evenly chosen.
+    """The rods along an axis, at most so many, of places spread along it.
 
     Parameters
     ----------
@@ -158,7 +159,9 @@ def choose(
     arrays_of, notes = _arrays(chosen, names)
     if axis and len(cases) < stored.sizes[axis]:
         values = "samples" if axis == SAMPLE else f"values of {labels.axis_symbol(axis)}"
-        notes = [f"{len(cases)} of the {stored.sizes[axis]} {values} are shown, evenly chosen.", *notes]
+        hidden = np.setdiff1d(range(stored.sizes[axis]), [case[axis] for case in cases])
+        but = [labels.value(float(stored[axis][i]), stored[axis]) for i in hidden] if hidden.size <= FEW else []
+        notes = [f"{len(cases)} of the {stored.sizes[axis]} {values} are shown{', not ' * bool(but)}{', '.join(but)}.", *notes]
     rods = [_rod(chosen.select({axis: i}) if axis else chosen, axis, arrays) for i, arrays in enumerate(arrays_of)]
     if not any(rod.arrays is not None for rod in rods):
         others = "; choose others with --at" if chosen.cases < stored.cases else ""

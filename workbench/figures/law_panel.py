@@ -135,6 +135,7 @@ def _show(law: LawLine) -> Show:
 
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))  # of a curve and a lower bound; of an upper bound
 SEEN = 4.0  # points across, from which a band is seen beside a line
+ALLOWED, BAND = "allowed", {"color": colours.INK, "alpha": 0.12, "linewidth": 0, "zorder": 0}  # what a law allows
 LONGEST_NOUN = 24  # letters of an observable in a title, beyond which its symbol stands there
 BOUNDS = ("least", "at least"), ("most", "at most")
 
@@ -177,9 +178,7 @@ def _equals(ax: Axes, law: LawLine, along: Any) -> None:
 def _allow(ax: Axes, along: Any, line: Any, low: Any, high: Any) -> None:
     """Shade what a law allows, and name it where the line does not hide it."""
     seen = 2 * np.median(np.maximum(high - line, line - low)) * fonts.inches(ax)[1] * 72 >= SEEN * np.ptp(ax.get_ylim())
-    ax.fill_between(
-        along, low, high, color=colours.INK, alpha=0.12, linewidth=0, zorder=0, label="allowed" if seen else ""
-    )
+    ax.fill_between(along, low, high, label=ALLOWED if seen else "", **BAND)
 
 
 def _bound(ax: Axes, law: LawLine, along: Any) -> None:
@@ -212,7 +211,7 @@ def _boundary(ax: Axes, law: LawLine, along: Any) -> None:
     passed = labels.formula(law.formulas, rule["passes"], law.observable)
     _line(ax, along, heights, f"{labels.symbol(law.observable)} = {passed}")
     if places.size == 1 and np.isfinite(places[0]):
-        ax.axvspan(places[0] - half, places[0] + half, color=colours.INK, alpha=0.12, linewidth=0, zorder=0)
+        ax.axvspan(places[0] - half, places[0] + half, label=ALLOWED, **BAND)
         ax.axvline(
             places[0],
             color=colours.SOFT,

@@ -121,7 +121,7 @@ def _figure_of(
 
     lines: list[canvas.Row] = [(view.height + unrolled.LABELS, [partial(strip, name)]) for name, view in shown.items()]
     lines += canvas.in_rows([partial(draw, line) for line in chosen.panels], across, law_height, filled=True)
-    said = [f"Unrolled, the rods along {labels.axis_symbol(name)} are straight lines." for name in straight]
+    said = [f"Unrolled at one scale, {unrolled.UNSEEN} {labels.axis_symbol(name)}." for name in straight]
     said += [trends.ALONE] * any(line.alone for line in chosen.panels)
     said += [trends.OTHERS] * any(len(line.lines) for line in chosen.panels)
     said += [*map(law_panel.caption_of, chosen.in_words), *chosen.level]

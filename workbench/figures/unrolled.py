@@ -44,6 +44,7 @@ SMALLEST = 0.1  # inches of the largest view
 WORTH = 1.7  # a scale so many times larger is worth another row of a list
 HAIRLINE, TINY = 1.1 / 72, 1e-12  # inches of the width of a line; no length
 LEAST = 0.12  # inches of a view, below which one direction is drawn larger
+UNSEEN = "no bend is as wide as a line in the rods along"  # of views that are straight as they are drawn
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches of all upwards at most
 RING = 3.5  # points across, beyond the distance of the two stretches: it stands around their lines
@@ -58,6 +59,7 @@ AROUND = (
     "A rod that winds more than once around the unrolled cylinder leaves it at one edge, and comes back at the other."
 )
 THROUGH = "the rod passes through itself at its true thickness"
+TIGHT = ", also in a bend tighter than its radius"  # where a place is one
 TURNED = ", also after a turn around the cylinder"  # where a place has two rings
 TOO_LONG = "is too long to search for the places where it passes through itself"
 # of a rod in lines
@@ -377,6 +379,8 @@ class UnrolledPanel:
                 said += _draw_line(ax, x, y, look, name, where, form.scale)
             _draw_edges(ax, view.edges, to_page)
             rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
+        tight = TIGHT * any(not apart.any() for _, apart in rings)
+        turned = TURNED * any(np.isnan(apart).any() for _, apart in rings)
         if rings:
             sizes = [72 * float(np.linalg.norm(np.nan_to_num(apart))) + RING for _, apart in rings]
             crossing_rings.draw(ax, [place for place, _ in rings], sizes, THROUGH)
@@ -388,7 +392,7 @@ class UnrolledPanel:
             beside = self.key + BAR_GAP
             push_scale.bar(ax, self.bar, wide - beside, (left + beside, top))
         return [
-            *[crossing_rings.entry(THROUGH + TURNED * any(np.isnan(apart).any() for _, apart in rings))] * bool(rings),
+            *[crossing_rings.entry(THROUGH + tight + turned)] * bool(rings),
             sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
             *self.notes,
             *said[:1],

@@ -59,7 +59,8 @@ def places(s: Array, points: Array, a: float) -> list[tuple[float, float]] | Non
     """The places where two stretches of a rod overlap: of each the two arc lengths whose points are nearest.
 
     Where the centreline crosses itself is a place, also where one overlap joins it to another one. A bend tighter than
-    the rod is thick (kappa a >= 1) overlaps in itself: its tightest point, twice.
+    the rod is thick (kappa a >= 1) overlaps in itself: its tightest point, twice, unless that is nearer than 2 a to the
+    middle of another place, which it then is a part of.
 
     Parameters
     ----------
@@ -83,9 +84,11 @@ def places(s: Array, points: Array, a: float) -> list[tuple[float, float]] | Non
     pairs = {(int(i), int(j)) for near in (2 * a, CROSSED * a) for j, i in _pairs(at, curve, a, near)}
     kappa = np.linalg.norm(make_interp_spline(s, points, k=5)(at, 2), axis=-1)
     is_tight = np.concatenate([[False], kappa * a >= 1, [False]])
+    strands = [(curve[i] + curve[j]) / 2 for i, j in pairs]
     for begin, end in np.flatnonzero(np.diff(is_tight)).reshape(-1, 2):
         k = begin + int(np.argmax(kappa[begin:end]))
-        pairs.add((k, k))
+        if all(np.linalg.norm(curve[k] - place) >= 2 * a for place in strands):
+            pairs.add((k, k))
     return sorted((float(at[i]), float(at[j])) for i, j in pairs)
 
 

@@ -226,15 +226,26 @@ class View:
         return bool((near & (place[:, :2] @ camera.toward[:2] < 0)).any())
 
     def crossings(self, camera: Camera) -> tuple[list[Array], int]:
-        """The places, (3,) each [length], where rods pass through themselves in sight; how many the cylinder hides."""
+        """The places, (3,) each [length], where rods pass through themselves in sight; how many the cylinder or a stretch
+        of a rod before them hides."""
         seen, hidden = [], 0
         for body in self.bodies:
             for at in (self.turn @ place for place in body.crossings):
-                if self.covers(at[None], camera)[0]:
+                if self.covers(at[None], camera)[0] or self._stands_before(at, camera):
                     hidden += 1
                 else:
                     seen.append(at)
         return seen, hidden
+
+    def _stands_before(self, at: Array, camera: Camera) -> bool:
+        """Whether a rod stands before a place (3,), which is turned, more than its own thickness nearer to the eye."""
+        for body in self.bodies:
+            away = body.dense @ self.turn.T - at
+            before = away @ camera.toward
+            beside = np.linalg.norm(away - before[:, None] * camera.toward, axis=1)
+            if ((before > 2 * body.a) & (beside < body.a)).any():
+                return True
+        return False
 
     def covers(self, places: Array, camera: Camera) -> Booleans:
         """Whether the cylinder stands before places outside it, (n, 3) as they are turned; an open one never. (n,)"""

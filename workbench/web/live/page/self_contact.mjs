@@ -26,8 +26,9 @@ export function crossings(shape) {
   return [...places.values()].map(([i, j]) => [0, 1, 2].map((k) => (points[3 * i + k] + points[3 * j + k]) / 2));
 }
 
-/* The tightest points (x, y, z) of its bends that are tighter than the rod, one of each. */
-export function tightBends(shape) {
+/* The tightest points (x, y, z) of its bends that are tighter than the rod, one of each that is no part of a place where it
+   is crossed: nearer than 2 a to that. */
+export function tightBends(shape, crossed) {
   const { kappa, one } = shape,
     tightest = [];
   for (let i = 0, within = false; i < kappa.length; i++) {
@@ -37,5 +38,6 @@ export function tightBends(shape) {
     else if (tight && kappa[i] > kappa[tightest[last]]) tightest[last] = i;
     within = tight;
   }
-  return tightest.map((i) => pointAt(shape, i));
+  const isAlone = (spot) => crossed.every((place) => Math.hypot(...place.map((x, k) => x - spot[k])) >= 2 * one.a);
+  return tightest.map((i) => pointAt(shape, i)).filter(isAlone);
 }

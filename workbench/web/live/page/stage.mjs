@@ -28,7 +28,7 @@ export function makeStage(canvas, mark, part, code, calm, unit) {
      the first of these. */
   function showCrossings(shape) {
     const crossed = crossings(shape),
-      rung = [...crossed, ...tightBends(shape)];
+      rung = [...crossed, ...tightBends(shape, crossed)];
     view.setRings(rung);
     part("crossed").hidden = !rung.length;
     return crossed;
