@@ -561,6 +561,23 @@ def test_a_rod_that_overlaps_in_a_tight_bend_alone_is_ringed_where_it_is_bent_mo
         assert bool(solid_body.middles(line, (0.0, line.L))) == bool(passes)
 
 
+def test_a_tight_bend_beside_an_overlap_is_a_part_of_it() -> None:
+    """Three loops of two overlaps, with a tight bend beside each; of the fourth one, which is cut, both are places."""
+    line = StoredStudy(small.study_dataset("fig7_1_modulus")).select({"E": 0}).centreline
+    s = np.linspace(0, line.L, 2001)
+    pairs = np.array(solid_body.places(s, line.frame(s)[0], line.a))
+    assert (np.ptp(pairs, axis=1) == 0).tolist() == [False] * 7 + [True]
+    assert np.diff(pairs[:6, 0])[[0, 2, 4]] == pytest.approx(np.diff(pairs[:2, 0])[0], abs=0.5 * line.a)
+
+
+@draws
+def test_a_place_behind_a_stretch_of_the_rod_has_no_ring(fig6) -> None:
+    side = layout.compose(StoredStudy(fig6), None, "twist", settings=composition.Settings(2.0, 50, camera="sides"))
+    middle = np.mean([top + high / 2 for _, top, _, high in side.arrangement.places])
+    assert len(side.rings) == 5
+    assert all(y < middle for _, y, _ in side.rings)
+
+
 def test_each_place_where_a_centreline_crosses_itself_is_one_also_where_one_overlap_joins_several() -> None:
     rod = body(small.study_dataset("fig7_4_end_angle"), betaL=8)
     s = np.linspace(0, rod.line.L, 2001)

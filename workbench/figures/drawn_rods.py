@@ -160,8 +160,9 @@ def choose(
     if axis and len(cases) < stored.sizes[axis]:
         values = "samples" if axis == SAMPLE else f"values of {labels.axis_symbol(axis)}"
         hidden = np.setdiff1d(range(stored.sizes[axis]), [case[axis] for case in cases])
-        but = [labels.value(float(stored[axis][i]), stored[axis]) for i in hidden] if hidden.size <= FEW else []
-        notes = [f"{len(cases)} of the {stored.sizes[axis]} {values} are shown{', not ' * bool(but)}{', '.join(but)}.", *notes]
+        left = [labels.value(float(stored[axis][i]), stored[axis]) for i in hidden[:FEW]]
+        but = f", not {', '.join(left)}" if hidden.size <= FEW else ""
+        notes = [f"{len(cases)} of the {stored.sizes[axis]} {values} are shown{but}.", *notes]
     rods = [_rod(chosen.select({axis: i}) if axis else chosen, axis, arrays) for i, arrays in enumerate(arrays_of)]
     if not any(rod.arrays is not None for rod in rods):
         others = "; choose others with --at" if chosen.cases < stored.cases else ""
@@ -226,7 +227,9 @@ def _arrays(some: StoredStudy, names: Sequence[str]) -> tuple[list[dict[str, Any
     notes = [f"Drawn at the {n} stored stations: {reason}."] if reason else []
     tables = [_cut(drawn[k]) if k in drawn else None for k in range(count)]
     if "alpha" in names:
-        tables = [row and {**row, "alpha": azimuths_of(case, row)} for case, row in zip(some.each(), tables, strict=True)]
+        tables = [
+            row and {**row, "alpha": azimuths_of(case, row)} for case, row in zip(some.each(), tables, strict=True)
+        ]
     return tables, notes
 
 

@@ -12,9 +12,9 @@ from solver.problem.errors import InputError
 
 from .centreline import Array, Centreline
 
-MOST = 400_000  # points along the rod
+LONGEST = 1e5  # radii of a rod that is tested
 CLOSED = 1e-3  # radii between the ends of a closed rod, at most
-DENSE = 4  # points for each radius of the rod
+DENSE = 8  # points for each radius of the rod, as on the live page: of overlaps one after the other fewer find others
 CROSSED = 0.2  # radii between two stretches of a centreline that crosses itself: more than the points are apart
 APART = np.pi  # radii along the rod: nearer points are close as neighbours in a bend, not in self-contact
 
@@ -34,8 +34,7 @@ def findings(line: Centreline, unit: str) -> list[Finding]:
     """What keeps the rod from being a solid; empty for a solid. Raises `InputError` for a rod too long to test."""
     step = line.a / 4
     count = int(np.ceil(line.L / step)) + 1
-    if count > MOST:
-        longest = MOST * step
+    if line.L > (longest := LONGEST * line.a):
         raise InputError(
             f"a rod of length {line.L:g} {unit} and radius {line.a:g} {unit} is too long to test for self-contact; "
             f"at most {longest:g} {unit} of it can be exported as a body"
@@ -74,12 +73,11 @@ def places(s: Array, points: Array, a: float) -> list[tuple[float, float]] | Non
     Returns
     -------
     list of (s, s)
-        The smaller arc length first, in rising order; None for a rod longer than `MOST` points can follow.
+        The smaller arc length first, in rising order; None for a rod longer than `LONGEST`.
     """
-    count = int(np.ceil(DENSE * (s[-1] - s[0]) / a)) + 1
-    if count > MOST:
+    if s[-1] - s[0] > LONGEST * a:
         return None
-    at = np.linspace(s[0], s[-1], count)
+    at = np.linspace(s[0], s[-1], int(np.ceil(DENSE * (s[-1] - s[0]) / a)) + 1)
     curve = CubicSpline(s, points)(at)
     pairs = {(int(i), int(j)) for near in (2 * a, CROSSED * a) for j, i in _pairs(at, curve, a, near)}
     kappa = np.linalg.norm(make_interp_spline(s, points, k=5)(at, 2), axis=-1)

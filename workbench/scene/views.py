@@ -238,12 +238,15 @@ class View:
         return seen, hidden
 
     def _stands_before(self, at: Array, camera: Camera) -> bool:
-        """Whether a rod stands before a place (3,), which is turned, more than its own thickness nearer to the eye."""
+        """Whether a stretch of a rod stands before a place (3,), which is turned: where its line passes the line of sight,
+        by less than half a radius, it is more than that nearer to the eye."""
         for body in self.bodies:
             away = body.dense @ self.turn.T - at
             before = away @ camera.toward
             beside = np.linalg.norm(away - before[:, None] * camera.toward, axis=1)
-            if ((before > 2 * body.a) & (beside < body.a)).any():
+            near = np.flatnonzero(beside < body.a / 2)
+            runs = np.split(near, np.flatnonzero(np.diff(near) > 1) + 1)
+            if any(before[run[beside[run].argmin()]] > body.a / 2 for run in runs if run.size):
                 return True
         return False
 
