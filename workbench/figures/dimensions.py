@@ -93,12 +93,21 @@ def dimension_lay(ax: Axes, view: Views, a: float, text: str) -> None:
     x = float(view.x[crossings[-1] if inside is None else inside])
     ends = sorted((0.0, turned))
     arc = Path.arc(ends[0], ends[1]).transformed(Affine2D().scale(ARC / view.mm).translate(x, 0))
-    ax.add_patch(FancyArrowPatch(path=arc, arrowstyle=BETWEEN, mutation_scale=fonts.small(), color=colours.INK,
-                                 linewidth=FINE, zorder=5))  # fmt: skip
+    ax.add_patch(
+        FancyArrowPatch(
+            path=arc, arrowstyle=BETWEEN, mutation_scale=fonts.small(), color=colours.INK, linewidth=FINE, zorder=5
+        )
+    )
     for angle in map(math.radians, ends):  # along the axis, and in the middle of the rod
         long = 1.3 * ARC / view.mm
-        ax.plot([x, x + long * math.cos(angle)], [0, long * math.sin(angle)], color=colours.INK, linewidth=FINE,
-                zorder=5, label="_samples")  # fmt: skip
+        ax.plot(
+            [x, x + long * math.cos(angle)],
+            [0, long * math.sin(angle)],
+            color=colours.INK,
+            linewidth=FINE,
+            zorder=5,
+            label="_samples",
+        )
     if inside is not None:
         _write(ax, [x + place[0], place[1]], text, "left", bbox=PLATE)
     else:

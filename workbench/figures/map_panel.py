@@ -215,8 +215,20 @@ def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inch
 
 def lead(ax: Axes, text: str, place: tuple[float, float], away: tuple[float, float], **look: Any) -> None:
     """Write a text so many points (2,) away from a place, with a line to it; look: of `Axes.annotate`."""
-    ax.annotate(text, place, away, textcoords="offset points", ha="center", va="center", size=fonts.small(),
-                color=colours.INK, path_effects=[HALO], zorder=6, arrowprops=LEADER, **look)  # fmt: skip
+    ax.annotate(
+        text,
+        place,
+        away,
+        textcoords="offset points",
+        ha="center",
+        va="center",
+        size=fonts.small(),
+        color=colours.INK,
+        path_effects=[HALO],
+        zorder=6,
+        arrowprops=LEADER,
+        **look,
+    )
 
 
 def _show_samples(ax: Axes, cells: Cells, name: str, inches: tuple[float, float]) -> None:

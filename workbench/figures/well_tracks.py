@@ -261,10 +261,26 @@ def _draw_states(ax: Axes, rod: DrawnRod) -> None:
     """A strip of the states beside the track, outside its axes: it has the depth, and no force."""
     where = ax.get_yaxis_transform()
     for part in _states(rod):
-        ax.fill_betweenx((part.begin, part.end), *STRIP, color=colours.STATES[part.word], linewidth=0, transform=where,
-                         clip_on=False, label=part.word)  # fmt: skip
-    ax.annotate("state", (sum(STRIP) / 2, 0), (0, -4), xycoords="axes fraction", textcoords="offset points",
-                ha="center", va="top", size=fonts.small(), color=colours.SOFT)  # fmt: skip
+        ax.fill_betweenx(
+            (part.begin, part.end),
+            *STRIP,
+            color=colours.STATES[part.word],
+            linewidth=0,
+            transform=where,
+            clip_on=False,
+            label=part.word,
+        )
+    ax.annotate(
+        "state",
+        (sum(STRIP) / 2, 0),
+        (0, -4),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        ha="center",
+        va="top",
+        size=fonts.small(),
+        color=colours.SOFT,
+    )
 
 
 def _draw_stress(rod: DrawnRod, unit: str, stresses: Any, most: float | None, ax: Axes) -> list[str]:
