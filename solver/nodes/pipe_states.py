@@ -41,8 +41,9 @@ def least_pull(largest: Any, unit: Any = 1.0) -> Any:
 
 
 def azimuths(s: Array, alpha: Array, radius: Array, error: float) -> Array:
-    """The azimuth along a rod at places s (n,): nearer to the axis than the error of a place, where it has none, that of
-    the next place; 0 where it has none all along.
+    """The azimuth along a rod at places s (n,).
+
+    Nearer to the axis than the error of a place a rod has none: that of the next place; 0 where it has none all along.
 
     alpha: as computed, (n,). radius: the distance from the axis, (n,), in the unit of the error.
     """

@@ -159,7 +159,7 @@ def test_the_states_of_a_reversed_rod_are_the_reversed_states(place: float) -> N
     there = states(s, beta, alpha, None, (True, False))
     back = states(s[-1] - s[::-1], beta[::-1], -alpha[::-1], None, (False, True))[::-1]
     assert [part.word for part in there] == [part.word for part in back]
-    assert HELICAL in [part.word for part in there] and SINUSOIDAL in [part.word for part in there]
+    assert {HELICAL, SINUSOIDAL} <= {part.word for part in there}
     ends = [(s[-1] - part.end, s[-1] - part.begin) for part in back]
     np.testing.assert_allclose([(part.begin, part.end) for part in there], ends, atol=1e-9)
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import PathCollection
+from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
@@ -49,10 +49,13 @@ def _covers(ax: Axes, legend: Legend) -> bool:
 
 
 def _paths(ax: Axes) -> Iterator[Path]:
-    """The lines of axes, and a stroke through each of their points, in pixels."""
+    """The lines of axes, the outlines of their bands, and a stroke through each of their points, in pixels."""
     for line in ax.lines:
         if line.get_linestyle() != "None":
             yield line.get_transform().transform_path(line.get_path())
+    for band in ax.collections:
+        if isinstance(band, PolyCollection):
+            yield from map(band.get_transform().transform_path, band.get_paths())
     marked = [(line.get_transform(), line.get_xydata()) for line in ax.lines if line.get_marker() not in ("None", "")]
     clouds = [cloud for cloud in ax.collections if isinstance(cloud, PathCollection)]
     for transform, points in (*marked, *((of.get_offset_transform(), of.get_offsets()) for of in clouds)):

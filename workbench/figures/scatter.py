@@ -85,7 +85,7 @@ def _rows(stored: StoredStudy, names: Sequence[str], width: float, narrow: bool)
         if name == names[-1]:
             ax.set_xlabel(fonts.fit_label(partial(labels.axis_label, stored[field]), room))
         if field == fields[0]:
-            ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[name]), tall - BETWEEN))
+            ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[name]), tall - BETWEEN, most=3))
 
     rows = [
         row

@@ -19,6 +19,7 @@ from ..words import labels
 from . import canvas, drawn_rods, law_panel, print_heights, trends, unrolled
 from .sheet import SCREEN, Sheet, set_range
 
+BEND_LESS = "bend by less than the width of a line at one scale"  # of rods whose views are not drawn
 LAW_HEIGHT = 3.2  # inches of a law at most
 NARROW_LAW = 1.9  # inches of a law on a narrow sheet at most
 MOST_CURVES = 9  # curves along an axis
@@ -121,7 +122,7 @@ def _figure_of(
 
     lines: list[canvas.Row] = [(view.height + unrolled.LABELS, [partial(strip, name)]) for name, view in shown.items()]
     lines += canvas.in_rows([partial(draw, line) for line in chosen.panels], across, law_height, filled=True)
-    said = [f"Unrolled at one scale, {unrolled.UNSEEN} {labels.axis_symbol(name)}." for name in straight]
+    said = [f"Unrolled, the rods along {labels.axis_symbol(name)} {BEND_LESS}." for name in straight]
     said += [trends.ALONE] * any(line.alone for line in chosen.panels)
     said += [trends.OTHERS] * any(len(line.lines) for line in chosen.panels)
     said += [*map(law_panel.caption_of, chosen.in_words), *chosen.level]

@@ -44,7 +44,6 @@ SMALLEST = 0.1  # inches of the largest view
 WORTH = 1.7  # a scale so many times larger is worth another row of a list
 HAIRLINE, TINY = 1.1 / 72, 1e-12  # inches of the width of a line; no length
 LEAST = 0.12  # inches of a view, below which one direction is drawn larger
-UNSEEN = "no bend is as wide as a line in the rods along"  # of views that are straight as they are drawn
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches of all upwards at most
 RING = 3.5  # points across, beyond the distance of the two stretches: it stands around their lines
@@ -535,8 +534,7 @@ def edges_of(rod: DrawnRod) -> list[tuple[Values, Values]]:
 
 def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> list[tuple[Any, Any]] | None:
     """Where a rod passes through itself on the unrolled cylinder: z and distance around, and how far its two stretches
-    are apart there, (2,) each; two places where it comes back after a turn, NaN apart. A tight bend has no ring within
-    a radius of the rod of another one. None for a rod that is too long.
+    are apart there, (2,) each; two places where it comes back after a turn, NaN apart. None for a rod that is too long.
 
     radius: the distance from the axis, so that stretches that cross one over the other off the wall are none.
     """
@@ -544,10 +542,8 @@ def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> 
     if pairs is None:
         return None
     rings: list[tuple[Any, Any]] = []
-    for pair in sorted(pairs, key=lambda pair: pair[0] == pair[1]):  # bends that are tighter than the rod come last
+    for pair in pairs:
         places = np.array([np.interp(pair, s, values) for values in (z, rho * (alpha - alpha[0]))]).T
-        if pair[0] == pair[1] and any(np.linalg.norm(places[0] - place) < a for place, _ in rings):
-            continue
         near = np.linalg.norm(places[1] - places[0]) < NEAR * a
         rings += (
             [(places.mean(axis=0), places[1] - places[0])]

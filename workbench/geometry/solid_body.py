@@ -34,7 +34,8 @@ def findings(line: Centreline, unit: str) -> list[Finding]:
     """What keeps the rod from being a solid; empty for a solid. Raises `InputError` for a rod too long to test."""
     step = line.a / 4
     count = int(np.ceil(line.L / step)) + 1
-    if line.L > (longest := LONGEST * line.a):
+    longest = LONGEST * line.a
+    if longest < line.L:
         raise InputError(
             f"a rod of length {line.L:g} {unit} and radius {line.a:g} {unit} is too long to test for self-contact; "
             f"at most {longest:g} {unit} of it can be exported as a body"

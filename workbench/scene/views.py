@@ -226,8 +226,7 @@ class View:
         return bool((near & (place[:, :2] @ camera.toward[:2] < 0)).any())
 
     def crossings(self, camera: Camera) -> tuple[list[Array], int]:
-        """The places, (3,) each [length], where rods pass through themselves in sight; how many the cylinder or a stretch
-        of a rod before them hides."""
+        """The places, (3,) each [length], where rods pass through themselves in sight; how many others there are."""
         seen, hidden = [], 0
         for body in self.bodies:
             for at in (self.turn @ place for place in body.crossings):
@@ -238,8 +237,10 @@ class View:
         return seen, hidden
 
     def _stands_before(self, at: Array, camera: Camera) -> bool:
-        """Whether a stretch of a rod stands before a place (3,), which is turned: where its line passes the line of sight,
-        by less than half a radius, it is more than that nearer to the eye."""
+        """Whether a rod stands before a place (3,), which is turned.
+
+        Where its line passes the line of sight, by less than half a radius, it is more than that nearer to the eye.
+        """
         for body in self.bodies:
             away = body.dense @ self.turn.T - at
             before = away @ camera.toward

@@ -78,7 +78,8 @@ export function solvedSource(data, core) {
     /* What takes longer than a move of a slider may. */
     facts(shape, crossed) {
       const found = observables(shape),
-        told = [`${found.bends} bends, largest push ${inUnit(Math.max(found.push_max, 0), stated(PUSH, data.state.units))}.`];
+        bends = found.bends === 1 ? "bend" : "bends",
+        told = [`${found.bends} ${bends}, largest push ${inUnit(Math.max(found.push_max, 0), stated(PUSH, data.state.units))}.`];
       return minus([...told, ...warnings(shape, found, data.state.units, crossed)].join(" "));
     },
     reset: () => Object.assign(base, JSON.parse(begun)),
