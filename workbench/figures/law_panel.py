@@ -135,7 +135,8 @@ def _show(law: LawLine) -> Show:
 
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))  # of a curve and a lower bound; of an upper bound
 SEEN = 4.0  # points across, from which a band is seen beside a line
-ALLOWED, BAND = "allowed", {"color": colours.INK, "alpha": 0.12, "linewidth": 0, "zorder": 0}  # what a law allows
+ALLOWED = "allowed"  # what a law allows
+BAND: dict[str, Any] = {"color": colours.INK, "alpha": 0.12, "linewidth": 0, "zorder": 0}
 LONGEST_NOUN = 24  # letters of an observable in a title, beyond which its symbol stands there
 BOUNDS = ("least", "at least"), ("most", "at most")
 
