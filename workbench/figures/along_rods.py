@@ -254,7 +254,7 @@ def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
     pulled = push < -SLIGHT * np.abs(push).max()
     if not pulled.any():
         return
-    ax.fill_between(s, 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=colours.PULLED, alpha=0.28,
+    ax.fill_between(s, 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=colours.PULLED, alpha=0.14,
                     linewidth=0, label=push_scale.PULLS)  # fmt: skip
     ax.fill_between(s, 0, push, where=~pulled, color=colours.PUSHED, alpha=0.25, linewidth=0, label=push_scale.PUSHES)
 
