@@ -15,7 +15,7 @@ const LETTER = 11,
   FINER = 4, // columns of a coloured line in a pixel, as its colour may change within one
   NEAR = 0.7; // pixels
 // as in the figures: opacity of the bands of pull and of the areas of push
-export const BAND = 0.28,
+export const BAND = 0.14,
   AREA = 0.25;
 
 /* The context of a canvas of so many pixels of the page; ratio: its own pixels for one of these. */
