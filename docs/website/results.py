@@ -39,7 +39,7 @@ def _plot(name: str, words: str, study: str, *options: str) -> Result:
 
 README = (
     _plot("pipe_buckles", "A drill pipe buckles as the load grows", "examples/pipe.toml", "--kind curves"),
-    _of("dna", "DNA on a histone", "scene examples/dna.toml --kind double-helix -o dna.png"),
+    _of("dna", "DNA on histones", "scene examples/dna.toml --kind double-helix -o dna.png"),
     _of(
         "let_go",
         "A rod that the cylinder holds on, and the same rod let go",

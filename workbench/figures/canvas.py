@@ -311,10 +311,11 @@ def legend_entries(ax: Axes) -> list[Any]:
 def write_below(fig: Figure, said: Said) -> None:
     """One legend below all axes of a figure with a constrained layout, its entries in columns.
 
-    said: those entries, and sentences for the caption.
+    said: those entries, of which one that another continues after a comma is left out, and sentences for the caption.
     """
     said = list(said)
-    entries = {str(entry.get_label()): entry for entry in said if not isinstance(entry, str)}
+    all_said = {str(entry.get_label()): entry for entry in said if not isinstance(entry, str)}
+    entries = {name: one for name, one in all_said.items() if not any(each.startswith(f"{name},") for each in all_said)}
     add_to_caption(fig, [sentence for sentence in said if isinstance(sentence, str)])
     if not entries:
         return

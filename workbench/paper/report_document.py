@@ -41,7 +41,7 @@ CAPTIONS = {
     "row": "The blue frame above marks the rod that is shown here; the slider moves it. Drag to turn the rod.",
 }
 TITLES = {"trade": "Accuracy against cost", "extremes": "The extremes"}
-STORY = "The rod with its letters, nine rods over the modulus, their number of bends, and the verdicts of all readings"
+STORY = "The rod with its letters, rods over the modulus, their number of bends, and the verdicts of all readings"
 SCENE, DRAWING = {"quality": 85}, {"lossless": True}  # options of WebP
 LEVELS = 63  # of a colour in a drawing above 0: what rounding takes away is not seen, and a fifth of the bytes
 RODS = "rods"  # the text in the PNG of a row of rods that says where each stands

@@ -12,7 +12,7 @@ from studies.language.study import MAX_STATIONS
 from ..figures import canvas, crossing_rings, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array, TooFewStations
-from ..words import caution_words, labels
+from ..words import caution_words, labels, unit_habits
 from ..words.free_rod_words import with_error
 from . import dna_strands, long_rod, page, scene_kinds, signs
 from .body import ARROW, Body
@@ -218,7 +218,8 @@ def colour_rods(scene: Scene) -> tuple[Scene, list[str]]:
             ends = {(False, True): "min", (True, False): "max", (True, True): "both"}
             past = extremes[1] > paint.high, extremes[0] < paint.low
             paint = replace(paint, extend=ends.get(past, "neither"))
-            notes = [f"beyond the colours: {', '.join(beyond)}"] if beyond else []
+            unit = labels.unit(unit_habits.unit_shown(scene.kind.quantity, units))
+            notes = [f"beyond the colours: {', '.join(beyond)} {unit}"] if beyond else []
     rows = [
         [replace(view, bodies=[replace(body, paint=paint) for body in view.bodies]) for view in row]
         for row in scene.rows
