@@ -314,8 +314,8 @@ def write_below(fig: Figure, said: Said) -> None:
     said: those entries, of which one that another continues after a comma is left out, and sentences for the caption.
     """
     said = list(said)
-    all_said = {str(entry.get_label()): entry for entry in said if not isinstance(entry, str)}
-    entries = {name: one for name, one in all_said.items() if not any(each.startswith(f"{name},") for each in all_said)}
+    named = {str(entry.get_label()): entry for entry in said if not isinstance(entry, str)}
+    entries = {name: entry for name, entry in named.items() if not any(each.startswith(f"{name},") for each in named)}
     add_to_caption(fig, [sentence for sentence in said if isinstance(sentence, str)])
     if not entries:
         return
