@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from PIL import Image
 
 from solver import InputError
@@ -247,3 +248,12 @@ def test_a_figure_without_a_title_has_no_room_for_one(six) -> None:
         fig.draw_without_rendering()
         tops.append((1 - fig.axes[0].get_position().y1) * fig.get_figheight())
     assert tops[0] - tops[1] == pytest.approx(fonts.height_of("A title", fonts.LARGE), abs=0.02)  # one line
+
+
+def test_an_entry_of_a_key_is_left_out_only_where_one_of_the_same_mark_says_more() -> None:
+    fig = Figure(layout="constrained")
+    ring, dash = {"marker": "o", "linestyle": "none", "color": "k"}, {"linestyle": "--", "color": "k"}
+    labels = [("crossed", ring), ("crossed, also in a bend", ring), ("stable", {"color": "k"}), ("stable, held", dash)]
+    canvas.write_below(fig, [Line2D([], [], label=label, **look) for label, look in labels])
+    (legend,) = fig.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["crossed, also in a bend", "stable", "stable, held"]

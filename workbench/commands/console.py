@@ -22,10 +22,7 @@ HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 5.0  # seconds between two lines of progress
 LINE_EVERY = 5.0  # seconds between two lines of a run where stderr is no terminal
 PATIENCE = 15.0  # seconds before a command that is silent says that it runs
-SLOW = (
-    "still computing; the time grows with the length over the radius and with the loads, so check their units; Ctrl+C "
-    "ends it"
-)
+SLOW = "still computing (Ctrl+C ends it); the time grows with the length over the radius and with the loads"
 WHOLE: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 

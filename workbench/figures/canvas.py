@@ -15,6 +15,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
@@ -311,11 +312,12 @@ def legend_entries(ax: Axes) -> list[Any]:
 def write_below(fig: Figure, said: Said) -> None:
     """One legend below all axes of a figure with a constrained layout, its entries in columns.
 
-    said: those entries, of which one that another continues after a comma is left out, and sentences for the caption.
+    said: those entries, of which one is left out where another one with the same mark says more, and sentences for the
+    caption.
     """
     said = list(said)
     named = {str(entry.get_label()): entry for entry in said if not isinstance(entry, str)}
-    entries = {name: entry for name, entry in named.items() if not any(each.startswith(f"{name},") for each in named)}
+    entries = {name: each for name, each in named.items() if not any(_says_more(more, each) for more in named.values())}
     add_to_caption(fig, [sentence for sentence in said if isinstance(sentence, str)])
     if not entries:
         return
@@ -329,6 +331,13 @@ def write_below(fig: Figure, said: Said) -> None:
         handlelength=1.8,
         handleheight=1.2,
     )
+
+
+def _says_more(more: Artist, entry: Artist) -> bool:
+    """Whether an entry with the mark of another one continues its words, after a comma."""
+    lines = [each for each in (more, entry) if isinstance(each, Line2D)]
+    marks = {(line.get_marker(), line.get_color(), line.get_linestyle(), line.get_linewidth()) for line in lines}
+    return len(lines) == 2 and len(marks) == 1 and str(more.get_label()).startswith(f"{entry.get_label()},")
 
 
 def legend_columns(names: Sequence[str], width: float, most: int = 2) -> tuple[int, list[str]]:

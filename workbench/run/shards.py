@@ -49,7 +49,8 @@ def encode(columns: Columns) -> bytes:
         if values.dtype.kind == "U":
             each = values.tolist()
             places = {text: place for place, text in enumerate(dict.fromkeys(each))}
-            packed[f"{name}:texts"], packed[f"{name}:which"] = np.array([*places]), np.array([places[t] for t in each])
+            packed[f"{name}:texts"] = np.array([*places], values.dtype)
+            packed[f"{name}:which"] = np.array([places[text] for text in each], dtype=int)
         else:
             packed[name] = values
     body = BytesIO()
