@@ -186,9 +186,10 @@ def test_which_rods_pass_through_themselves() -> None:
 
 
 TIGHT = state(E=900.0, L=8.0)  # six bends of 0.41 of its radius at the least, each in one of eight overlaps
+CUT = state(E=5000.0)  # its last bend is tighter than the rod, and in no overlap
 
 
-@pytest.mark.parametrize(("made", "count"), [(state(), 5), (TIGHT, 8)])
+@pytest.mark.parametrize(("made", "count"), [(state(), 5), (TIGHT, 8), (CUT, 8)])
 def test_a_rod_is_ringed_where_the_stills_ring_it(made: dict, count: int) -> None:
     script = SHAPE + "const crossed = self_contact.crossings(shape);"
     script += "answer([...crossed, ...self_contact.tightBends(shape, crossed)]);"
