@@ -702,7 +702,7 @@ def test_the_edge_of_a_contact_that_passes_a_node_by_chance_alike_on_three_meshe
 
 
 def test_a_contact_that_only_the_finest_mesh_has_is_looked_at_on_one_more() -> None:
-    """Of three meshes of this cable the last one alone has a contact, so that no change tells the error of its force."""
+    """Of three meshes of this cable the last alone has a contact, so that no change tells the error of its force."""
     cable, drum = Rod(EI=0.16, GJ=0.16, a=0.1, L=6.139), Cylinder(0.9, contact="unilateral")
     held = Ends("85deg", "80deg", height=0.03, azimuth=2.526, M3=0.0, radiusL=4.983, M2L=0.0)
     contacts = [len(shape.contacts) for shape in solve(Case(cable, drum, held)).trajectory.free.answers[0].shapes]
