@@ -16,7 +16,7 @@ from scipy.special import ellipe, ellipk
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
-from solver.free.free_rods import FREE_TOLERANCE, LEAST, MESHES, SHAKES, distance, estimate, limit, refine
+from solver.free.free_rods import FREE_TOLERANCE, LEAST, SHAKES, distance, estimate, limit, refine
 from solver.free.let_go_descent import Sinking
 from solver.free.minimum import minimise
 from solver.free.program import EACH_STEP, Effort, Program
@@ -861,7 +861,7 @@ def test_a_finer_tolerance_moves_a_rod_by_no_more_than_the_stated_error(freed: t
 def test_a_tolerance_above_the_default_one_needs_three_meshes_too(freed: tuple[Any, Any]) -> None:
     before, fine = freed
     draft = before.let_go(tol=1e-3)
-    assert len(draft.trajectory.free.answers[0].shapes) == MESHES
+    assert len(draft.trajectory.free.answers[0].shapes) == 3
     far = np.linalg.norm(fine.position - draft.position, axis=1).max() / ROD.L
     assert far <= draft.error + fine.error < 1e-3
 
