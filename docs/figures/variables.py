@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
-ROD, FORCE, MOMENT, ANGLE = "#2a7bb7", "#b3004f", "#6a3d9a", "#01834e"
+ROD, ANGLE = "#2a7bb7", "#01834e"
 AZIMUTH, TILT = np.radians(38.0), np.radians(20.0)  # of the line of sight, from the x axis and from the horizontal
 R, HEIGHT, RHO = 1.0, 4.6, 1.12
 PITCH = np.radians(52.0)  # beta of the rod drawn, constant
@@ -112,9 +112,9 @@ def section(ax: Axes) -> None:
     ax.plot(*project(at + 0.8 * (np.cos(fan) * eZ + np.sin(fan) * eY)).T, color=ANGLE, linewidth=1.2, zorder=7)
     middle = at + 0.98 * (np.cos(0.3 * PITCH) * eZ + np.sin(0.3 * PITCH) * eY)
     ax.annotate("β", project(middle), color=ANGLE, ha="center", va="center", zorder=9)
-    arrow(ax, at, 1.5 * T, "F₃, M₃  along T", FORCE, (52, 4))
-    arrow(ax, at, 1.15 * B, "F₂, M₂  along B", FORCE, (-51, 9))
-    arrow(ax, at, 0.75 * N, "F₁, M₁  along N", FORCE, (-58, 4))
+    arrow(ax, at, 1.5 * T, "F₃, M₃  along T", INK, (40, 4))
+    arrow(ax, at, 1.15 * B, "F₂, M₂  along B", INK, (-51, 9))
+    arrow(ax, at, 0.75 * N, "F₁, M₁  along N", INK, (-58, 4))
     ax.plot(*project(at), "o", color="white", markeredgecolor=INK, markersize=6, zorder=10)
 
 
