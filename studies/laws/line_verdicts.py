@@ -14,8 +14,10 @@ boundary. *true*: every case agrees. *not decided*: cases without a value, or to
 *false*: a case disagrees, whatever the missing ones are.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from decimal import ROUND_UP, Context, Decimal
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -327,6 +329,7 @@ def _pairs(row: NDArray[np.float64], noise: float) -> tuple[int, int]:
 
 CONFIDENCE = 0.95  # of the interval of an exponent
 ROUNDING = 1e-13  # relative: a smaller excess over a tolerance is rounding
+FINEST = 6  # digits of a number whose error is smaller
 
 
 # Writes a number or a formula; of what: the "observable", the "axis", or a "place" on the axis.
@@ -338,6 +341,27 @@ Finding = Callable[[Mapping[str, float], Mapping[str, Any], str, Show], str]
 def as_given(value: Any, of: str) -> str:
     """A number with four digits, a formula as the study has it."""
     return value if isinstance(value, str) else f"{value:.4g}"
+
+
+def with_error(value: float, error: float) -> str:
+    """A number and its error with the same decimals; the error has two digits at most and is rounded up.
+
+    It is left out where it is 0 or unknown, and where the first `FINEST` digits of the number do not show it.
+
+    >>> with_error(3.7284, 0.4212), with_error(-0.004, 97.0), with_error(2.0, 3e-15)
+    ('3.73 ± 0.43', '0 ± 97', '2')
+    >>> with_error(123456.0, 4310.0), with_error(-1.23e-7, 4e-9)
+    ('123500 ± 4400', '(-1.23 ± 0.04)e-07')
+    """
+    if not (math.isfinite(value) and abs(value) < error * 10**FINEST < math.inf):
+        return f"{value:.{FINEST}g}"
+    bound = Context(prec=2, rounding=ROUND_UP).create_decimal(repr(float(error)))
+    number = Decimal(repr(float(value))).quantize(bound)
+    number = number or abs(number)  # not "-0"
+    power = max(number.adjusted(), bound.adjusted())
+    if -5 < power < 10:
+        return f"{number:f} ± {bound:f}"
+    return f"({number.scaleb(-power):f} ± {bound.scaleb(-power):f})e{power:+03d}"
 
 
 def _equals(rule: Mapping[str, Any], show: Show) -> str:
@@ -366,7 +390,7 @@ def _scales(rule: Mapping[str, Any], show: Show) -> str:
 
 
 def _exponent(numbers: Mapping[str, float], rule: Mapping[str, Any], axis: str, show: Show) -> str:
-    return f"exponent {numbers['exponent']:.4g} ± {numbers['interval']:.2g}"
+    return f"exponent {with_error(numbers['exponent'], numbers['interval'])}"
 
 
 def _passes(rule: Mapping[str, Any], show: Show) -> str:

@@ -1,12 +1,15 @@
 """Laws with numbers on made-up lines, where the right verdict is seen at a glance."""
 
+import re
+from decimal import Decimal
+
 import numpy as np
 import pytest
 from scipy.stats import linregress, t
 
 from solver import InputError
 from studies.language.loader import loads
-from studies.laws.line_verdicts import fit_power
+from studies.laws.line_verdicts import FINEST, fit_power, with_error
 
 HEAD = 'title = "one"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.beta]\nvalues = [0.3, 0.6]\n"
@@ -40,3 +43,22 @@ def test_a_law_may_be_held_to_the_estimated_error_of_what_its_study_stores() -> 
     loads(law.format("height"))
     with pytest.raises(InputError, match="no name 'pitch_error' in a formula"):
         loads(law.format("pitch"))
+
+
+@pytest.mark.parametrize("error", [3.1e-9, 0.0997, 0.07, 0.43, 5.0, 97.2, 12345.0, 4.2e11])
+@pytest.mark.parametrize("share", [0.0, -0.004, 0.62, -1.0, 8.7142, 2999.9996])
+def test_a_number_and_its_error_have_the_same_last_place_and_the_error_is_not_rounded_down(error, share) -> None:
+    value = share * error
+    number, bound = re.sub(r"\((.*) ± (.*)\)(e.*)", r"\1\3 ± \2\3", with_error(value, error)).split(" ± ")
+    last_places = [Decimal(text).as_tuple().exponent for text in (number, bound)]
+    assert last_places[0] == last_places[1]
+    assert error <= float(bound) < 1.1 * error
+    assert len(bound.partition("e")[0].replace(".", "").strip("0")) <= 2
+    assert abs(float(number) - value) < 0.051 * error
+    assert not number.startswith("-0 ")
+
+
+@pytest.mark.parametrize("error", [0.0, np.nan, np.inf, 1e-9])
+def test_an_error_that_is_0_unknown_or_too_small_to_be_seen_is_left_out(error: float) -> None:
+    assert with_error(-3.725, error) == "-3.725"
+    assert with_error(10.0**FINEST, 0.9) == "1e+06"

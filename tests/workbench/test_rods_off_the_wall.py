@@ -38,7 +38,7 @@ from workbench.web.live.page_model import study_of
 from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page
 from workbench.words import free_rod_words
-from workbench.words.free_rod_words import with_error
+from workbench.words.free_rod_words import known_to
 
 if opengl.probe()[0]:  # without the libraries of OpenGL it cannot be imported
     from workbench.scene import composition, layout
@@ -464,7 +464,7 @@ def test_the_arrow_of_a_point_force_is_as_long_on_the_page_as_it_is_large_and_sa
         assert np.linalg.norm(places[0] - axis) == pytest.approx(rod.a)
         assert (places[-1] - axis) @ push == pytest.approx(np.linalg.norm(places[-1] - axis) * np.linalg.norm(push))
     np.testing.assert_allclose(lengths / lengths.max(), np.divide(forces, max(forces)), rtol=1e-9)
-    assert [words for _, words in arrows] == [f"{with_error(force, error, force)} N" for *_, force, error in rod.pushes]
+    assert [words for _, words in arrows] == [f"{known_to(force, error, force)} N" for *_, force, error in rod.pushes]
     assert {words for _, words in arrows} & {text.get_text() for text in page.ax.texts}
 
 

@@ -181,8 +181,9 @@ def _print_indices(table: "xr.Dataset") -> None:
 
 def _index(row: "dict[str, Any]", key: str) -> str:
     """An index and half its interval; a dash where there is none."""
-    value, half = row[key], row[f"{key}_conf"]
-    return "-" if value != value else f"{round(value, 3) + 0.0:.3f} ± {half:.3f}"
+    from studies.laws.line_verdicts import with_error
+
+    return "-" if row[key] != row[key] else with_error(row[key], row[f"{key}_conf"])
 
 
 def table_rows(ds: "xr.Dataset") -> list[dict[str, Any]]:

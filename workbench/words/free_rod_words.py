@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.observe.free_numbers import errors_of_contacts
 from solver.observe.observables import observe
+from studies.laws.line_verdicts import with_error
 
 from .unit_habits import plain, within
 
@@ -28,7 +29,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if not sol.contacts:
         return [f"the rod touches the cylinder nowhere between its ends: {gap}", *held]
     share, where = numbers["contact_share"], places_of_contact(sol, length)
-    percent = with_error(100 * share, 100 * numbers["contact_share_error"], 100 * share)
+    percent = known_to(100 * share, 100 * numbers["contact_share_error"], 100 * share)
     touches = f"lies on {percent} % of its length on the wall," if share else "touches the wall"
     said = [f"the rod {touches} {where}; it is {gap}"]
     if sol.point_forces and len(sol.contacts) <= MOST:
@@ -59,27 +60,25 @@ def places_of_contact(sol: "Solution", length: str) -> str:
 def point_forces(sol: "Solution") -> list[tuple[str, str]]:
     """Where each point force of the wall acts, and its size, in the digits that their errors allow."""
     unit = float(sol.case.rod.bending_stiffness) / float(sol.case.rho) ** 2
-    return [(_place(sol, s), with_error(force, error_beside(sol, s, 1) * unit, force)) for s, force in sol.point_forces]
+    return [(_place(sol, s), known_to(force, error_beside(sol, s, 1) * unit, force)) for s, force in sol.point_forces]
 
 
 def _place(sol: "Solution", s: float) -> str:
     """Where a contact begins or ends: an end of the rod, or in the digits that the error allows."""
     lengths = [high - low for low, high in sol.contacts if high > low]
-    return with_error(
+    return known_to(
         s,
         error_beside(sol, s, 0) * float(sol.case.rho) * (0 < s < float(sol.case.rod.L)),
         min(lengths, default=math.inf),
     )
 
 
-def with_error(value: float, error: float, size: float) -> str:
+def known_to(value: float, error: float, size: float) -> str:
     """A number as `within`; with its error, ``60 ± 97``, where that rounding might change a size by its own amount.
 
     size: of the number itself, or of a stretch that begins or ends there.
     """
-    if not size < 10 * error < math.inf:
-        return within(value, error)
-    return f"{within(value, error / 20)} ± {plain(error, 2)}"
+    return with_error(value, error) if size < 10 * error < math.inf else within(value, error)
 
 
 def error_beside(sol: "Solution", s: float, kind: int, k: int = 0) -> float:

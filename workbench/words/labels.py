@@ -174,7 +174,7 @@ def powers_of_ten(text: str) -> str:
         digits, ten = match[1], f"10{str(int(match[2])).translate(SUPERSCRIPTS)}"
         return ten if digits == "1" else f"{digits}·{ten}"
 
-    return re.sub(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)", power, text)
+    return re.sub(r"(\([^()]*\)|(?<![\w.])\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)", power, text)
 
 
 def formula(expressions: Mapping[str, str], text: str | float, array: xr.DataArray) -> str:
