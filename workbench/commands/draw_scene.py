@@ -43,7 +43,7 @@ def scene(
     file without a study has too few stations for --pixel-error.
     """
     from ..scene import film
-    from ..stored import reading
+    from ..stored import file_kinds, reading
     from ..stored.stored_case import is_study
     from . import study_scene
 
@@ -55,7 +55,7 @@ def scene(
             "--frames with a picture for each, frame_{:03d}.png"
         )
     is_stored = file.is_file() and not is_study(file)
-    if is_stored and reading.kind_of_file(file).figure == "branches":
+    if is_stored and reading.kind_of_file(file) is file_kinds.BRANCHES:
         from . import scene_branches
 
         return scene_branches.scene_of(file, reading.read_stored(file, study=False), wanted)

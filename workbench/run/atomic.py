@@ -35,9 +35,9 @@ def replacement(path: Path) -> Iterator[Path]:
     """Yield a path beside `path`, of the same suffix; what was written there takes the place of `path` at the end.
 
     Where the body raises, `path` stays as it was and the other file is removed. Raises `OSError`, and `InputError` for
-    a link that leads nowhere.
+    what `check_name` refuses.
     """
-    check_link(path)
+    check_name(path)
     aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
         yield aside
@@ -48,19 +48,20 @@ def replacement(path: Path) -> Iterator[Path]:
 
 
 def check_name(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
-    """The path; raises `InputError` for a folder, and unless the name ends in one of the suffixes, if there are any."""
+    """The path of an output; raises `InputError` unless its name ends in one of the suffixes, if there are any.
+
+    Also for what would be replaced unseen: a folder, a link to a file that is missing or to itself, a device or a pipe.
+    """
     path, ends = Path(path), f" that ends in {choices(suffixes)}" if suffixes else ""
+    if path.is_symlink() and not path.exists():
+        raise InputError(f"cannot write {path}: it is a link to {os.readlink(path)}, which leads to no file")
     if path.is_dir():
         raise InputError(f"{path} is a folder; give the name of a file{ends}")
+    if path.exists() and not path.is_file():
+        raise InputError(f"cannot write {path}: it is not a regular file; give the name of a file{ends}")
     if suffixes and path.suffix.lower() not in suffixes:
         raise InputError(f"cannot write {path.name!r}: choose a name{ends}")
     return path
-
-
-def check_link(path: Path) -> None:
-    """Raise `InputError` for a link to a file that is missing, or to itself: it would be replaced unseen."""
-    if path.is_symlink() and not path.exists():
-        raise InputError(f"cannot write {path}: it is a link to {os.readlink(path)}, which leads to no file")
 
 
 @contextmanager

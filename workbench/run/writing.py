@@ -155,9 +155,7 @@ def check_free(path: str | Path, study_name: str) -> None:
 
 
 def check_parent(path: str | Path) -> None:
-    """Raise `InputError` unless the folder of a file exists and can be written, for a folder, and where a link leads
-    nowhere."""
-    atomic.check_link(Path(path))
+    """Raise `InputError` unless the folder of a file exists and can be written, and as `atomic.check_name`."""
     folder = atomic.check_name(path).parent
     if not folder.is_dir():
         raise InputError(f"cannot write {path}: folder not found: {folder}")

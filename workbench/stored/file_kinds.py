@@ -25,10 +25,12 @@ class FileKind:
 
 STUDY = FileKind("the results of a study", "study", True)
 LOOPS = FileKind("a list of closed rods", "loops", True, ("equilibrium", "turns_around", "about"))
+EQUILIBRIA = FileKind("a list of equilibria", "equilibria", True, ("equilibrium", "index"))
+BRANCHES = FileKind("all equilibria over an axis", "branches", True, ("curve_point", "curve_branch"))
 KINDS = (
     LOOPS,
-    FileKind("a list of equilibria", "equilibria", True, ("equilibrium", "index")),
-    FileKind("all equilibria over an axis", "branches", True, ("curve_point", "curve_branch")),
+    EQUILIBRIA,
+    BRANCHES,
     FileKind("a fold map", "folds", False, ("region_at",)),
     FileKind("a branch of equilibria", "", False, ("point", "special", "dbeta0")),
     FileKind("a trade of methods", "trade", False, ("ladder", "rung")),

@@ -175,7 +175,7 @@ class StoredCases:
         texts = self.ds["caution"].values
         solved = self.ds["solved"].values if "solved" in self.ds else np.ones(texts.shape)
         return caution_words.restable(
-            texts, solved, self.ds["index"].values == 0 if self.kind.figure == "equilibria" else True
+            texts, solved, self.ds["index"].values == 0 if self.kind is file_kinds.EQUILIBRIA else True
         )
 
     @cached_property
