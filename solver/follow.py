@@ -312,7 +312,7 @@ def _end(name: str, stop: "Stop") -> BranchEnd:
     beta = f"{np.rad2deg(stop.helix[1]):.4g} deg"
     at = _value_in_words(name, stop.helix[0])
     reason = f"the helix of beta = {beta}, along which the rod lies, ceases to exist at {name} = {at}"
-    return BranchEnd(p, reason, HELIX, float(stop.helix[0]))
+    return BranchEnd(p, reason, HELIX)
 
 
 def _value_in_words(name: str, value: float) -> str:

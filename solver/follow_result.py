@@ -102,14 +102,11 @@ class BranchEnd:
         exist, or why it could not be followed.
     kind : str
         "border of the range", "closed", "helix ceases", or "stopped".
-    ceases : float or None
-        The value at which the helix ceases to exist that the rod lies along.
     """
 
     value: float
     reason: str
     kind: str = "stopped"
-    ceases: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

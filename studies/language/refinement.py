@@ -248,10 +248,9 @@ class Refinement:
         while not self.ended and not self.next_count:
             self._halve()
 
-    def corners(self, level: int, cells: Places | None = None) -> Places:
+    def corners(self, level: int) -> Places:
         """The indices of the cases at the corners of the cells of a level, (cells, corners)."""
-        lowest = self.cells[level] if cells is None else cells
-        return self._cases(lowest[:, None, :] + self._offsets() * self.size(level))
+        return self._cases(self.cells[level][:, None, :] + self._offsets() * self.size(level))
 
     def size(self, level: int) -> int:
         """Places from corner to corner of a cell of a level."""

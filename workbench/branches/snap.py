@@ -48,21 +48,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """A rod at one moment of its way: the load, beta at the stations (n,), and whether it is at rest."""
+    """A rod at one moment of its way: the load, and beta at the stations (n,)."""
 
     load: float
     beta: Array
-    rests: bool
 
 
-def rod_on(stored: StoredStudy, branch: int, at: int, stations: int = STATIONS) -> Solution:
+def rod_on(stored: StoredStudy, branch: int, at: int) -> Solution:
     """The rod of a branch at the value of the axis with an index, solved again. Raises `InputError`."""
     name = str(stored.attrs["axis"])
     (k,) = np.flatnonzero(stored["branch"].values[at] == branch)[:1]
     slope, energy = (float(stored[key].values[at, k]) for key in ("dbeta0", "energy"))
-    return nearest(
-        equilibria(case_at(stored, float(stored[name].values[at])), stations=stations), slope, energy
-    ).solution
+    case = case_at(stored, float(stored[name].values[at]))
+    return nearest(equilibria(case, stations=STATIONS), slope, energy).solution
 
 
 def rod_of_shape(stored: StoredStudy, k: int, stations: int) -> Solution:
@@ -123,12 +121,12 @@ def way_of(stored: StoredStudy) -> list[Moment]:
         ends = [point.position for point in followed.special]
         stop = ends[0] if ends else len(followed) - 1
         shapes = solutions_of(followed, STATIONS)
-        way += [Moment(float(followed.values[k]), shapes.beta[k], True) for k in range(stop + 1)]
+        way += [Moment(float(followed.values[k]), shapes.beta[k]) for k in range(stop + 1)]
         if not ends or followed.special[0].kind != "fold":
             return way
         load = float(followed.values[stop]) + step
         case = case_at(stored, load)
-        fall = [Moment(load, beta, False) for beta in descent(case, way[-1].beta)]
+        fall = [Moment(load, beta) for beta in descent(case, way[-1].beta)]
         rod = solve(case, seed=_slope_at_start(fall[-1].beta, float(case.rod.L)), tol=1e-10, stations=STATIONS)
         if not rod.solved or np.abs(rod.beta - fall[-1].beta).max() > AGREES:
             raise InputError(f"beyond the fold at {in_words(name, load)} the rod comes to rest at no equilibrium")

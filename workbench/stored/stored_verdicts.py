@@ -32,16 +32,16 @@ if TYPE_CHECKING:
 Tally = dict[str, Counter[Any]]
 
 
-def laws_of(ds: "xr.Dataset", path: str = "the dataset") -> list[Law]:
+def laws_of(ds: "xr.Dataset") -> list[Law]:
     """The laws that the dataset's study states; `InputError` where the attribute is not a list of laws."""
     try:
         laws = [Law.model_validate(row) for row in json.loads(ds.attrs["laws"])]
     except (KeyError, ValueError, TypeError, RecursionError):
-        raise InputError(f"{path}: the attribute laws is not a list of laws in JSON") from None
+        raise InputError("the dataset: the attribute laws is not a list of laws in JSON") from None
     for law in laws:
         for name, said in law.model_dump().items():
             if isinstance(said, str) and not escaping.is_line(said, LINE):
-                raise InputError(f"{path}: {name} of a law must be one line of text, got {escaping.show(said)}")
+                raise InputError(f"the dataset: {name} of a law must be one line of text, got {escaping.show(said)}")
     return laws
 
 
