@@ -121,11 +121,6 @@ def marched(name: str) -> Marched:
     return Marched(r, t, k, F, contact, d, float(M3))
 
 
-def close(got: np.ndarray, wanted: np.ndarray, condition: float) -> None:
-    # a march of 1e-12 a step over some hundreds of steps, grown by the condition; 2e-9 covers that for all of these
-    np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-9 * condition * max(1, np.abs(wanted).max()))
-
-
 @cases
 def test_shape_forces_contact_section_and_loads_are_those_of_the_orbit_and_the_march_stays_on_the_cylinder(
     name: str,
@@ -148,4 +143,6 @@ def test_shape_forces_contact_section_and_loads_are_those_of_the_orbit_and_the_m
         (found.F @ EZ, np.full(401, sol.FZ)),
         (moment @ EZ, np.full(401, sol.MZ)),
     ):
-        close(got, wanted, sol.condition)
+        # a march of 1e-12 a step over some hundreds of steps, grown by the condition; 2e-9 covers that for all of these
+        atol = 2e-9 * sol.condition * max(1, np.abs(wanted).max())
+        np.testing.assert_allclose(got, wanted, rtol=0, atol=atol)

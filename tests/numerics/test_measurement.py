@@ -28,8 +28,10 @@ def numbers_of(sol: Any) -> np.ndarray:
     return np.stack([p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0], axis=1)
 
 
-def compare(case: Case, method: str, reference: str) -> None:
-    sol = solve(case, tol=TOL, method=method, stations=2)
+@by_both
+@pytest.mark.parametrize(("count", "seed", "reach", "reference"), [(4, 1, 12.0, "few"), slow(100, 2, 30.0, "many")])
+def test_observables_of_random_rods_are_right_to_their_own_error(count, seed, reach, reference, method: str) -> None:
+    sol = solve(random_rods(count, seed, reach), tol=TOL, method=method, stations=2)
     got = observe(sol, ESTIMATED, errors=True)
     given = numbers_of(sol)
     checked = 0
@@ -54,12 +56,6 @@ def compare(case: Case, method: str, reference: str) -> None:
                 assert off <= 1e-6 * max(1, sol.condition[i]), (i, name, off)
         checked += 1
     assert checked > 0.8 * given.shape[0]
-
-
-@by_both
-@pytest.mark.parametrize(("count", "seed", "reach", "reference"), [(4, 1, 12.0, "few"), slow(100, 2, 30.0, "many")])
-def test_observables_of_random_rods_are_right_to_their_own_error(count, seed, reach, reference, method: str) -> None:
-    compare(random_rods(count, seed, reach), method, reference)
 
 
 def localised(b: float) -> Case:
