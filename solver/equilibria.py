@@ -12,11 +12,11 @@ from .branches.given_numbers import Given
 from .branches.parameter_plane import read_range
 from .equilibria_result import Equilibria, Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
 from .held.energy_minima import is_turned_round
+from .held.equilibrium_choice import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
 from .held.held_equilibrium import trajectory_between, way_between_hinges
 from .held.held_reach import Reached
 from .held.held_search import MOST_PERIODS, TRIES, FoundStates, search_equilibria
 from .held.held_sweep import ranges_of
-from .held.selection import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
 from .nodes.loaded_rod import rods_of
 from .nodes.loaded_solutions import answer_ends
 from .numerics.arrays import Array

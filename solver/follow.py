@@ -150,7 +150,7 @@ def _check(solution: object) -> Solution:
 
 def _path(solution: Solution) -> "Path":
     """The path of a solution under its own dead loads, between its own end angles."""
-    from .held.selection import path_of_seed
+    from .held.equilibrium_choice import path_of_seed
 
     path = path_of_seed(as_seed(ends_case(solution), between_ends(solution), solution))
     if path is None:

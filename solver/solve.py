@@ -9,7 +9,7 @@ import numpy as np
 from .each_case import Answer, Question, answer_each
 from .free.free_rods import FREE_TOLERANCE, FreeRods, answers_beside
 from .free.starting_curves import BILATERAL, bilateral_cases, curves_of
-from .held.selection import LOWEST, NEAREST, RULES, Choose, check
+from .held.equilibrium_choice import LOWEST, NEAREST, RULES, Choose, check
 from .nodes.varying_shapes import VaryingShapes
 from .numerics.arrays import NEGLIGIBLE, Array
 from .problem.case import Case, Ends, Start, check_case

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from ..held.selection import NEAREST, Choose, check
+from ..held.equilibrium_choice import NEAREST, Choose, check
 from ..numerics.arrays import ALIKE, ROUGHLY, Array
 from ..problem.case import Case, Ends, check_case
 from ..problem.errors import LARGEST_SEED, InputError, check_tolerance, show, whole_number, yes_or_no

@@ -21,10 +21,10 @@ from ..problem.case import Case
 from ..problem.dimensionless import EndsProblem, HeldProblem, reduce_held
 from ..problem.limits import beyond_limits, ends_and_span, unreachable
 from ..problem.trajectory import PLAIN, Seed, Trajectory, stood_in
+from .equilibrium_choice import Choose, path_of_seed
 from .held_alternatives import alternatives_of, away
 from .held_moves import state_of_seed
 from .held_reach import Reached, by_rule, by_seed
-from .selection import Choose, path_of_seed
 
 ALTERNATIVE = "another equilibrium with the same ends"
 

@@ -16,11 +16,11 @@ from ..branches.held_index import held_energy, index_of
 from ..branches.helices import helices_of
 from ..numerics.arrays import NEGLIGIBLE
 from .energy_minima import energy_minima, is_turned_round, refinement
+from .equilibrium_choice import LOWEST, Choose, HeldSelection, none_of_index, select
 from .held_alternatives import said_of_seed
 from .held_moves import angles_along, carry, settle
 from .held_search import image_of, mirrors_of, search_equilibria
 from .held_starts import equilibrium_beside, outcome_of, states_from_dead_loads
-from .selection import LOWEST, Choose, HeldSelection, none_of_index, select
 
 
 @dataclass(frozen=True, eq=False)

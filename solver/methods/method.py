@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..held.selection import NEAREST, Choose, select_seed
+from ..held.equilibrium_choice import NEAREST, Choose, select_seed
 from ..numerics.arrays import Array
 from ..orbits.joined_orbits import join_answers
 from ..problem.dimensionless import EndsProblem, StartProblem

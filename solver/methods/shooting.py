@@ -11,7 +11,7 @@ import numpy as np
 
 from ..branches.branch_events import Stop
 from ..branches.continuation import resume
-from ..held.selection import NEAREST, Choose, path_of_seed, selection_of
+from ..held.equilibrium_choice import NEAREST, Choose, path_of_seed, selection_of
 from ..numerics.arclength import BRANCH_POINT, FOLD
 from ..numerics.arrays import Array
 from ..orbits.path_orbits import equilibrium_trajectory, orbit_of, together

@@ -300,7 +300,7 @@ class ShapeArrays:
 
     @property
     def selection(self) -> Any:
-        """The number of equilibria and the rule that selected this one, (*cases) of `held.selection.Selection`.
+        """The number of equilibria and the rule that took this one, (*cases) of `held.equilibrium_choice.Selection`.
 
         Of held ends those that were found and compared; it begins with the index where the equilibrium is unstable.
         None for a start problem, with weight or friction, for a solution from a seed, and where floats cannot hold the

@@ -26,7 +26,7 @@ class Trajectory:
     cos(beta), (B, n); it can be pickled. solved: (B,) of bool. outcome: (B,) sentences, "solved" or the reason of a
     failure. error, condition, evaluations: (B,).
     orbit: the periodic orbit if the method knows it (`orbits.periodic_orbit`), else None.
-    selection: (B,) of `held.selection.Selection`, how each equilibrium was selected; None for a seed, for a
+    selection: (B,) of `held.equilibrium_choice.Selection`, how each equilibrium was selected; None for a seed, for a
     start problem, and where floats cannot hold the problem.
     begun: (B,) phrases, how each rod with held ends, weight or friction was found; None where the selection says it.
     held_index, dead_index: (B,) of floats, the Morse index under held ends, and without weight or friction that of the

@@ -7,7 +7,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.equilibria import Equilibrium, meant
-from solver.held.selection import select
+from solver.held.equilibrium_choice import select
 from tests.cases import ends_in_units_of_rho
 from tests.numerics.test_equilibria import PROBLEMS, found
 

@@ -16,7 +16,7 @@ from tests.workbench import small
 from tests.workbench.command import output_of
 from workbench.commands import options
 from workbench.run import in_memory, writing
-from workbench.stored import one_case, quantity_variables, solved_again
+from workbench.stored import case_solving, quantity_variables, solved_again
 from workbench.stored.stored_study import StoredStudy
 
 ALL = f"outputs = {list(OUTPUTS)}"
@@ -85,7 +85,7 @@ def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monk
 
     ds, _ = full
     calls = []
-    monkeypatch.setattr(solved_again, "solve_one", lambda *args: calls.append(args) or one_case.solve_one(*args))
+    monkeypatch.setattr(solved_again, "solve_one", lambda *args: calls.append(args) or case_solving.solve_one(*args))
     kept = ds[["alpha", "beta", "z", "outcome"]]
     for name in ("position", "tangent", "normal", "FY", "F2", "F3", "M2"):
         kept.rod.along(name)

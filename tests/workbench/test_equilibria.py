@@ -23,7 +23,7 @@ from workbench.branches.equilibria_dataset import as_dataset
 from workbench.commands.case_options import parse_axis
 from workbench.run import in_memory, writing
 from workbench.stored import reading
-from workbench.stored.one_case import solve_one
+from workbench.stored.case_solving import solve_one
 from workbench.stored.stored_study import StoredStudy
 
 MANY = -0.3655, 0.7464, -0.7506

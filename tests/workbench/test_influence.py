@@ -24,7 +24,7 @@ from workbench.influence import analyse, local, sobol
 from workbench.influence.derivatives import REAL
 from workbench.influence.sobol_indices import Design, design_of
 from workbench.run import in_memory, writing
-from workbench.stored import reading, stored_case
+from workbench.stored import case_of_file, reading
 from workbench.stored.stored_study import StoredStudy
 
 TABLE = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F3=10.0))
@@ -114,14 +114,14 @@ def test_an_effect_that_is_rounding_is_none() -> None:
 
 def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
     followed = load("fig7_4_end_angle").at_stations(21)
-    found = stored_case.solve_case(
+    found = case_of_file.solve_case(
         StoredStudy(in_memory.outline(followed)), {"betaL": -14.37992253 * np.pi / 180}, followed
     )
     assert "betaL" in local(found, observables=["height"])["field"]
     base = {**small.ROD, "beta0": 0.5, "betaL": 0.8, "MZ": 1.3, "M3": 6.1}
     sweep = loads(small.text(base, small.axis("FZ", [-9.0, -5.0])), default_name="ends")
     swept = local(
-        stored_case.solve_case(StoredStudy(in_memory.outline(sweep)), {"FZ": -5.0}, sweep), observables=["height"]
+        case_of_file.solve_case(StoredStudy(in_memory.outline(sweep)), {"FZ": -5.0}, sweep), observables=["height"]
     )
     assert float(swept["at"].sel(field="FZ")) == -5
 

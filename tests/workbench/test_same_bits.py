@@ -17,7 +17,7 @@ from tests.workbench import runs, small
 from tests.workbench.study_kinds import QUICK, STUDIES, pipe_study
 from workbench.run import block, in_memory, plan, shards, worker_processes
 from workbench.run.run_and_resume import Meter, RunOptions, run_to_file
-from workbench.stored import one_case, quantity_variables, stored_case
+from workbench.stored import case_of_file, case_solving, quantity_variables
 from workbench.stored.stored_study import StoredStudy
 
 WAYS = {"cut": RunOptions(workers=1, chunk=1), "pool": RunOptions(workers=2, chunk=16)}
@@ -85,13 +85,13 @@ def test_a_case_is_the_same_in_its_study_solved_again_and_alone(whole, name: str
             here = dict(zip(ds["outcome"].dims, map(int, place), strict=True))
             one, at = ds.isel(here), {dim: float(ds[dim][i]) for dim, i in here.items()}
             fields = {field: float(one[quantity_variables.dimension(field)]) for field in study.variation.fields}
-            rule, case = one_case.rule_of(study.equilibrium), study.case_of(fields)
+            rule, case = case_solving.rule_of(study.equilibrium), study.case_of(fields)
             file_or_study = ds if study.refine else in_memory.outline(study)
             for way in (
                 bare.rod.beta.isel(here),
                 bare.rod.sel(**at).rod.beta,
                 ds.rod.at(**fields).beta,
-                stored_case.solve_case(StoredStudy(file_or_study), at, study).beta,
+                case_of_file.solve_case(StoredStudy(file_or_study), at, study).beta,
                 solve(case, stations=study.stations, choose=rule).beta,
             ):
                 np.testing.assert_allclose(way, one["beta"], atol=1e-12)

@@ -16,7 +16,7 @@ from workbench.commands import draw_scene, study_scene
 from workbench.export.stored_rod import export
 from workbench.run import in_memory, writing
 from workbench.scene import opengl, scene_kinds
-from workbench.stored import stored_case
+from workbench.stored import case_of_file
 from workbench.stored.enough_stations import at_needed_stations
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.turntable import turntable_page
@@ -114,10 +114,10 @@ def test_a_file_whose_case_is_solved_to_another_shape_is_refused(name, tmp_path)
 
 def test_a_file_goes_before_a_study_of_its_name(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert stored_case.is_study(Path("fig6"))
+    assert case_of_file.is_study(Path("fig6"))
     Path("fig6").write_text("")
-    assert not stored_case.is_study(Path("fig6"))
-    assert not stored_case.is_study(Path("mine.h5"))
+    assert not case_of_file.is_study(Path("fig6"))
+    assert not case_of_file.is_study(Path("mine.h5"))
 
 
 @draws

@@ -21,7 +21,7 @@ from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from workbench.run import block, dataset_assembly, in_memory, plan, recipe, run_and_resume, shards
 from workbench.run.run_and_resume import RunOptions, run_to_file
-from workbench.stored import boxes, one_case, quantity_variables, schema
+from workbench.stored import boxes, case_solving, quantity_variables, schema
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
 
@@ -110,7 +110,7 @@ class Watched:
 def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, monkeypatch) -> None:
     study = load("fig7_1_modulus").model_copy(update={"outputs": outputs, "observables": [], "laws": []})
     read: set[str] = set()
-    monkeypatch.setattr(one_case, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
+    monkeypatch.setattr(case_solving, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
     ds = in_memory.run(study)
     assert read & set(OUTPUTS) == computed
     assert {

@@ -14,7 +14,7 @@ from tests.workbench import small
 from workbench.commands import study_scene
 from workbench.run import in_memory
 from workbench.scene import scene_kinds
-from workbench.stored import one_case, stored_verdicts, sweep
+from workbench.stored import case_solving, stored_verdicts, sweep
 
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}
 HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0}
@@ -134,7 +134,7 @@ def test_a_case_is_the_same_whatever_the_range_the_order_and_the_number_of_value
         part = cases_of(text, axis, sorted(values[:5], reverse=True)) | cases_of(text, axis, values[5:6])
         assert part == {value: whole[value] for value in part}, seed
         one = loads(text + small.axis(axis, values), "text", "random")
-        choose = one_case.rule_of(one.equilibrium)
+        choose = case_solving.rule_of(one.equilibrium)
         for value in values[:2]:
             usual = solve(one.case_of({axis: value}), stations=11, tol=one.tol, choose=choose)
             said, beta = whole[value]

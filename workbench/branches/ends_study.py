@@ -6,7 +6,7 @@ from typing import Any
 
 from solver import Case, Ends, InputError, Solution, observe, solve
 from solver.equilibria import Equilibrium
-from solver.held.selection import NEAREST
+from solver.held.equilibrium_choice import NEAREST
 from solver.problem.dimensionless import fields_held
 from solver.problem.errors import choices
 from solver.solve import ends_case

@@ -28,7 +28,7 @@ from solver.problem.errors import InputError
 from studies.grammar.axes import in_words
 
 from ..stored import quantity_variables
-from ..stored.stored_case import case_of_numbers
+from ..stored.case_of_file import case_of_numbers
 from ..stored.stored_study import StoredStudy
 from .equilibria_dataset import EQUILIBRIUM, of_solutions
 

@@ -44,7 +44,7 @@ def scene(
     """
     from ..scene import film
     from ..stored import file_kinds, reading
-    from ..stored.stored_case import is_study
+    from ..stored.case_of_file import is_study
     from . import study_scene
 
     out, suffix = wanted.out, "" if wanted.out is None else wanted.out.suffix.lower()

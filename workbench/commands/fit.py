@@ -142,7 +142,7 @@ def _case(
     from studies.language.case_input import check_alone, read_case
 
     from ..run.in_memory import outline
-    from ..stored.stored_case import case_at
+    from ..stored.case_of_file import case_at
     from ..stored.stored_study import StoredStudy
 
     if file is None:
@@ -173,7 +173,7 @@ def _vary(texts: list[str] | None, bounds: dict[str, tuple[float, float]]) -> "d
 
 def _rule(asked: "CaseInput", choose: str | None) -> Any:
     """Which equilibrium of an ends problem the search begins with."""
-    from solver.held.selection import NEAREST
+    from solver.held.equilibrium_choice import NEAREST
 
     which = asked.study.equilibrium if asked.study else None
     if choose is not None:

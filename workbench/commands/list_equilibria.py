@@ -13,7 +13,7 @@ from . import console, tables
 from .case_options import ENDS_FIELDS, HELD, GivenOptions, parse_axis
 from .options import Choose, OneCase, Table1, option, parse_choose, ranges
 from .present import Result, presents
-from .tables import unit_shown
+from .tables import unit_printed
 
 if TYPE_CHECKING:
     import numpy as np
@@ -156,7 +156,7 @@ def _list(
 
     from ..branches.ends_study import row
     from ..branches.equilibria_dataset import as_dataset
-    from ..stored.one_case import rule_of
+    from ..stored.case_solving import rule_of
     from ..words import caution_words
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
@@ -172,7 +172,7 @@ def _list(
         _print_table(study, rows, list(searched.within) if searched else [])
         if rows:
             console.say(
-                _energy_in_words(rows, bool(held), bool(case.rod.weight), unit_shown("energy", study.unit_system))
+                _energy_in_words(rows, bool(held), bool(case.rod.weight), unit_printed("energy", study.unit_system))
             )
         ends = f"under held ends: {choices(held)}" if held else "with the end angles held and dead loads"
         noun = "equilibrium" if len(rows) == 1 else "equilibria"
@@ -209,7 +209,7 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     energy = "held_energy" if rows and "held_energy" in rows[0] else "energy"
     dead = ["dead_index"] if reactions else []
     names = (*reactions, "dbeta0", energy, "bending_energy", "bends", "index", *dead, "stray", "attached")
-    units = {name: unit_shown(name, study.unit_system) for name in names if name not in OWN} | {"stray": "deg"}
+    units = {name: unit_printed(name, study.unit_system) for name in names if name not in OWN} | {"stray": "deg"}
     least = _base_energy([row[energy] for row in rows])
     heads = {name: HEADS.get(name, name).replace("_", " ") for name in names}
     table = []
@@ -266,7 +266,7 @@ def _over_axis(
         return {"axis": name, "units": study.unit_system, "branches": numbered, "folds": folds, "remarks": remarks}
 
     def tell() -> None:
-        unit = unit_shown(name, study.unit_system)
+        unit = unit_printed(name, study.unit_system)
         keys = list(rows[0]) if rows else ["branch"]
         heads = {key: tables.column_title(key, unit if key in ("from", "to") else "") for key in keys}
         tables.print_rows([{**row, "branch": row["branch"] + 1} for row in rows], heads)

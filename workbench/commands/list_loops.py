@@ -10,7 +10,7 @@ from . import console, tables
 from .case_options import ROD_FIELDS, GivenOptions
 from .options import Table1, argument, flag, option
 from .present import Result, presents
-from .tables import unit_shown
+from .tables import unit_printed
 
 if TYPE_CHECKING:
     from solver import Cylinder, Loop, Rod
@@ -114,7 +114,7 @@ def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str]) -> No
     from studies.laws import law_words
 
     rows = [row(loop) for loop in found]
-    shown = {name: OWN[name] if name in OWN else unit_shown(name, units) for name in COLUMNS}
+    shown = {name: OWN[name] if name in OWN else unit_printed(name, units) for name in COLUMNS}
     heads = {"": "", **dict.fromkeys(COLUMNS, ""), "self_intersection": "self-intersection"}
     tables.print_rows([{"": i, **r} for i, r in enumerate(rows, 1)], heads, shown)
     stable = sum(r["index"] == 0 for r in rows)

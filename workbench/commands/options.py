@@ -284,7 +284,7 @@ def parse_choose(text: str, given: Any = None) -> "Which":
     given: the start or the ends of the case. Raises `InputError`, also for a start, which has one solution.
     """
     from solver import Start
-    from solver.held.selection import check
+    from solver.held.equilibrium_choice import check
     from studies.grammar.axes import Which
 
     try:

@@ -168,7 +168,7 @@ def merge(
 
 def _print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
     """Print how often each outcome occurs but the plain one; of cases with fewer digits also which is the worst."""
-    from solver.held.selection import INCOMPLETE
+    from solver.held.equilibrium_choice import INCOMPLETE
     from solver.problem.outcomes import FEWER
 
     from ..words.outcome_counts import group
@@ -187,7 +187,7 @@ def _print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
 
 def _warnings(outcomes: Mapping[str, int], file: Path) -> list[str]:
     """In how many cases the list of equilibria may be incomplete, and where this is stored."""
-    from solver.held.selection import INCOMPLETE
+    from solver.held.equilibrium_choice import INCOMPLETE
 
     count = sum(cases for text, cases in outcomes.items() if INCOMPLETE in text)
     said = (

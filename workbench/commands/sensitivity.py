@@ -82,20 +82,20 @@ def _local(
 
     from ..influence import derivatives
     from ..run import in_memory
-    from ..stored import quantity_variables, reading, stored_case
+    from ..stored import case_of_file, quantity_variables, reading
     from ..stored.stored_study import StoredStudy
 
     real = None if show is None else [name for name in show if not is_count(name)]
     left_out = derivatives.counts_left_out(show or [])
     if show and not real:
         real = show  # refused with the choices
-    if stored_case.is_study(file):
+    if case_of_file.is_study(file):
         study = load(file)
         stored = StoredStudy(in_memory.outline(study))
     else:
         stored = reading.read_stored(file)
         study = stored.study
-    solution = stored_case.solve_case(stored, axis_values(stored, at), study)
+    solution = case_of_file.solve_case(stored, axis_values(stored, at), study)
     table = derivatives.local(
         solution, fields, real, study.unit_system, "FZ0" in {*study.base.given, *study.variation.fields}
     )
@@ -109,9 +109,9 @@ def _indices(
 ) -> "tuple[xr.Dataset, list[str]]":
     """The indices of a stored study, and the sentences on them."""
     from ..influence import sobol_indices
-    from ..stored import reading, stored_case
+    from ..stored import case_of_file, reading
 
-    if stored_case.is_study(file):
+    if case_of_file.is_study(file):
         raise InputError(f"--global needs a stored study: workbench run {file} stores one")
     stored = reading.read_stored(file)
     share = sobol_indices.CONFIDENCE if confidence is None else confidence

@@ -104,15 +104,15 @@ def solve(
 
     from ..branches.ends_study import text_of_solution
     from ..run import in_memory, writing
-    from ..stored import stored_case
-    from ..stored.one_case import solve_one
+    from ..stored import case_of_file
+    from ..stored.case_solving import solve_one
     from ..words import caution_words, free_rod_words, pipe_profile, pipe_words
     from .fidelity import fidelity
 
     chosen = fidelity(level or "standard")
     if file is not None and (at or file.suffix.lower() == ".h5"):
         check_alone(file, given.units, table1)
-        base = stored_case.case_in(file, pairs("--at", at), given.values)
+        base = case_of_file.case_in(file, pairs("--at", at), given.values)
     else:
         base = read_case(file, given.values, given.units, table1, reading)
     least = _least_radius(least_bend_radius, base.units)

@@ -21,9 +21,9 @@ from studies.language.study import OUTPUTS
 from ..run import in_memory
 from ..scene.scene_kinds import CASE, NOTE, RELEASED, SceneKind, case_values
 from ..stored import enough_stations, file_kinds, quantity_variables, reading, schema
+from ..stored.case_of_file import is_study
 from ..stored.enough_stations import Solve, is_whole
 from ..stored.solved_again import point_forces_of
-from ..stored.stored_case import is_study
 from ..stored.stored_cases import is_wide
 from ..stored.stored_study import StoredStudy
 

@@ -46,7 +46,7 @@ def print_rows(
     """Print plain data as a table, a row for each mapping.
 
     columns: key -> heading; default: every key of the first row, as its own heading; then nothing where there is none.
-    units: key -> unit as of `unit_shown`, for the heading; numbers under "deg" are in rad, and printed in degrees.
+    units: key -> unit as of `unit_printed`, for the heading; numbers under "deg" are in rad, and printed in degrees.
     """
     every, units = list(rows), units or {}
     heads = columns or (dict.fromkeys(every[0]) if every else {})
@@ -73,7 +73,7 @@ def unit_stated(name: str, units: Mapping[str, str]) -> str:
     return {"rad": "deg", "1": ""}.get(unit, unit)
 
 
-def unit_shown(name: str, units: Mapping[str, str]) -> str:
+def unit_printed(name: str, units: Mapping[str, str]) -> str:
     """The unit of a quantity or a field as it is printed; nothing for a plain number."""
     from studies.grammar.axes import quantity_of
 

@@ -23,7 +23,7 @@ from studies.language import expressions
 
 from ..stored import bounds
 from ..stored.boxes import Columns
-from ..stored.one_case import knows_orbit, solve_one
+from ..stored.case_solving import knows_orbit, solve_one
 from ..stored.quantity_variables import JUDGED, LOADS, curve_name, inner_shape
 from ..stored.schema import TEXTS, shapes
 from ..words import caution_words, pipe_words

@@ -11,7 +11,7 @@ import xarray as xr
 from solver import Case, Solution, solve
 from studies import Study
 
-from ..stored.one_case import rule_of, solve_one
+from ..stored.case_solving import rule_of, solve_one
 from ..words import outcome_counts
 from . import dataset_assembly, shards
 from .block import block_of, columns

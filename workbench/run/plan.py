@@ -20,7 +20,7 @@ from studies.language.variation import SOURCES
 
 from ..stored import refined
 from ..stored.boxes import Columns
-from ..stored.one_case import method_of
+from ..stored.case_solving import method_of
 from ..stored.schema import TEXTS, shapes
 from ..stored.sweep import Sweep, block_size
 from . import shards

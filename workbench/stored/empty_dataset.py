@@ -17,7 +17,7 @@ from studies.grammar.axes import SAMPLE, Dimensions, quantity_of
 from studies.language.loader import dumps
 from studies.language.refine_table import LEVEL
 
-from . import bounds, one_case, provenance, quantity_variables, schema
+from . import bounds, case_solving, provenance, quantity_variables, schema
 
 # How exact the observables are, in words.
 RESOLVED = "the observables are those of the whole rod, taken from its orbit: each has its own error"
@@ -107,7 +107,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         **({"contact": "unilateral"} if study.let_go else {}),
         "tolerance": study.tol,
         "method": study.method,
-        "observed": RESOLVED if one_case.knows_orbit(study.method) else AT_STATIONS,
+        "observed": RESOLVED if case_solving.knows_orbit(study.method) else AT_STATIONS,
         "laws": schema.laws_text(study),
         **provenance.provenance(),
         **{name: sentence for name, sentence in sampling.items() if sentence},

@@ -26,8 +26,8 @@ from studies.language.study import MAX_STATIONS
 
 from ..words.free_rod_words import error_beside
 from . import quantity_variables, schema
+from .case_solving import method_of, solve_one
 from .chosen_cases import SAME, real
-from .one_case import method_of, solve_one
 from .sweep import Sweep, between
 
 POINT = "point"  # a dimension and its variables

@@ -31,7 +31,7 @@ from studies import Study
 from studies.grammar.axes import in_words, quantity_of
 
 from ..words.outcome_counts import NO_BRANCH
-from .one_case import solve_one
+from .case_solving import solve_one
 
 LOST = "unstable here, stable where its branch begins"
 BEYOND = "failed: the followed branch"

@@ -35,7 +35,7 @@ from ...export.file_format import ExportOptions
 from ...export.stored_rod import export
 from ...run import dataset_assembly
 from ...run.block import columns
-from ...stored.one_case import rule_of, solve_one
+from ...stored.case_solving import rule_of, solve_one
 from ...stored.stored_study import StoredStudy
 from ...words import caution_words, free_rod_words, labels, pipe_profile, pipe_words
 

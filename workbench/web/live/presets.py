@@ -13,8 +13,8 @@ from studies.grammar.axes import Which, quantity_of
 from studies.language.case_input import CaseInput, field_values, read_case
 from studies.language.printed import table_of
 
-from ...stored.one_case import solve_one
-from ...stored.stored_case import open_case
+from ...stored.case_of_file import open_case
+from ...stored.case_solving import solve_one
 from ...words.assumptions import assumption, units_sentence
 from .. import pages
 from .page_model import BETWEEN

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from solver import Case, Ends, Solution, equilibria, solve
 from solver.equilibria import Equilibria, nearest
-from solver.held.selection import NEAREST, Choose
+from solver.held.equilibrium_choice import NEAREST, Choose
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
 from studies.grammar.axes import Which
 
