@@ -11,6 +11,7 @@ from numpy.polynomial import polynomial
 from ..free.contacts import Contact, contacts_across, sure_parts
 from ..free.free_rods import error_of, estimate, largest_left
 from ..free.free_shape import Along, FreeShape
+from ..nodes.varying_shapes import places_of_extremes
 from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..orbits.frames import binormal, outward
 from ..orbits.loop_orbits import MOST_PLACES
@@ -139,13 +140,7 @@ class FreeReading:
 
     def bends(self) -> int:
         """The interior extrema of beta that differ from their neighbours by more than `WAVE`."""
-        beta, count, way, last = self.along.turned[1], 0, 0.0, self.along.turned[1, 0]
-        for value in beta:
-            if way * (value - last) >= 0 and (way or abs(value - last) > WAVE):
-                way, last = way or np.sign(value - last), value
-            elif way and abs(value - last) > WAVE:
-                count, way, last = count + 1, -way, value
-        return count
+        return len(places_of_extremes(self.along.turned[1], WAVE)) - 2
 
     def neutral_at(self) -> float:
         """The first place where the axial force is 0; NaN where it is nowhere."""
