@@ -1,12 +1,13 @@
 """Newton's method for a rod on nodes: each stretch is marched with its variations, and the system is banded."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..core.weight_friction import BY_STATE, ORDER, SIZE, march, solve_chain
 from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, Array
-from ..numerics.roots import DIVERGED, REACH, Ending, newton
+from ..numerics.roots import DIVERGED, REACH, Ending, lead_away, newton
 from ..orbits.potential import TAU
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .varying_shapes import Shape
@@ -188,6 +189,32 @@ def correct(
         if isinstance(corrected, str)
         else replace(corrected, y=with_known_loads(corrected.rod, corrected.t, corrected.y))
     )
+
+
+def deflate(
+    start: Shape,
+    known: Sequence[Array],
+    marks: Callable[[Shape], Array],
+    change_of: Callable[[Shape, Array], Array],
+    reach: float,
+) -> Shape | None:
+    """The equilibrium to which Newton's method leads from a shape, away from known ones; None where it leads to none.
+
+    marks: numbers that tell a shape from others; known: those of each known one. change_of: how they answer a small
+    change (N, 8), in the scales. reach: the longest step of an angle, in its scale.
+    """
+
+    def newton_step(shape: Shape) -> tuple[Array, Array, Array] | None:
+        change = linear_at(shape, deep=DEEP).newton_change()
+        return None if change is None else (marks(shape), change_of(shape, change), change)
+
+    def move(shape: Shape, change: Array, factor: float) -> tuple[Shape, float]:
+        turn = largest_turn(change)
+        share = np.clip(factor, -reach / turn, reach / turn) if turn else 0.0
+        return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
+
+    near = lead_away(start, newton_step, move, known, DEFLATED)
+    return None if near is None else correct(near, most=15)
 
 
 def share_within(change: Array) -> float:

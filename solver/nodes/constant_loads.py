@@ -63,8 +63,9 @@ def shape_from(rod: LoadedRod, read: Read, problem: Any) -> Shape:
 
 
 def end_numbers(shape: Shape) -> dict[str, float]:
-    """The numbers of a shape that ends can give, by the names of `dimensionless.NUMBER_OF`; loads at the far end."""
-    first, last = shape.y[0].tolist(), shape.y[-1].tolist()
+    """The numbers of a shape that ends can give, by the names of `dimensionless.NUMBER_OF`, and the swirl; loads at the
+    far end."""
+    first, last, span = shape.y[0].tolist(), shape.y[-1].tolist(), float(shape.t[-1])
     turned = last[ALPHA] - first[ALPHA]
     return {
         "beta0": first[BETA],
@@ -72,8 +73,9 @@ def end_numbers(shape: Shape) -> dict[str, float]:
         "dbeta0": first[SPEED],
         "dbetaL": last[SPEED],
         "alpha": turned,
-        "z": float(shape.t[-1]) - last[SHORT],
+        "z": span - last[SHORT],
         "turn": last[ROUND] - turned,
+        "swirl": float(shape.rod.numbers[0]) * last[MU] * span - (last[ROUND] - turned),
         "lam": last[Q] + last[MU],
         "mu": last[MU],
         "phi": last[PHI],

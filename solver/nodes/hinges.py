@@ -11,18 +11,18 @@ import numpy as np
 
 from ..branches.branch_events import Bounds, Stop
 from ..branches.deflation import are_same
-from ..branches.given_numbers import Given, OrbitState
+from ..branches.given_numbers import FREE, Given, OrbitState
 from ..branches.orbit_rates import NUMBERS, rates_of_helices, start_rates
 from ..branches.path_correction import state_from_start
 from ..numerics.arclength import END, POINTS, Lengths
 from ..numerics.arrays import ALIKE, Array
 from ..numerics.chebyshev import GAUSS
-from ..numerics.roots import DIVERGED, REACH, lead_away
+from ..numerics.roots import DIVERGED, REACH
 from ..orbits.boundary import Path, wrap
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU, Loads, potential
 from ..problem.dimensionless import EndsProblem
-from .banded_newton import DEEP, DEFLATED, correct, largest_turn, linear_at, open_at, size_of
+from .banded_newton import correct, deflate, open_at
 from .constant_loads import end_numbers, shape_of_orbit
 from .loaded_rod import ALPHA, BETA, HELD, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .node_branch import UNSOLVED, NodeCurve, inner, trace_shapes
@@ -77,18 +77,14 @@ def of_rod(shape: Shape, rod: LoadedRod) -> Shape:
 
 def state_of(shape: Shape) -> HingedState:
     """The state of a shape."""
-    number, span, ratio = end_numbers(shape), float(shape.t[-1]), float(shape.rod.numbers[0])
-    number |= {"swirl": ratio * number["mu"] * span - number["turn"], "y": np.nan}
-    problem = EndsProblem(
-        **{name: np.array([number[name]]) for name in ("lam", "mu", "phi", "beta0", "betaL")}, span=np.array([span])
-    )
+    number = end_numbers(shape)
+    problem = EndsProblem(**{name: np.array([number[name]]) for name in FREE}, span=shape.t[-1:])
     if np.ptp(shape.y[:, BETA]) < ALIKE:  # rad by which beta of a helix varies by rounding
         path, rates = Path(wrap(number["beta0"]), 1.0, -np.inf, 0, 0, True), rates_of_helices(problem)
     else:
         rates = start_rates(problem.with_start(np.array([number["dbeta0"]])))
         path = state_from_start(rates, number["dbeta0"]).path
-    values = np.array([[number[name] for name in NUMBERS]])
-    rates = replace(rates, problem=problem, values=values)
+    rates = replace(rates, problem=problem, values=np.append(end_vector(shape), np.nan)[None])
     index, energy = index_at(shape), energy_of(shape)
     return HingedState(problem=problem, path=path, rates=rates, known_index=index, known_energy=energy, shape=shape)
 
@@ -154,31 +150,20 @@ def settle_hinged(guess: OrbitState, wanted: Given) -> HingedState | str:
 def deflate_hinged(state: OrbitState, wanted: Given, known: Sequence[Array]) -> HingedState | None:
     """An equilibrium with the wanted numbers that is none of the known ones, as of `deflation.deflate`."""
 
-    def newton_step(shape: Shape) -> tuple[Array, Array, Array] | None:
-        change = linear_at(shape, deep=DEEP).newton_change()
-        if change is None:
-            return None
-        ends = end_vector(shape)
-        return ends, end_vector(replace(shape, y=shape.y + change * shape.rod.scale)) - ends, change
-
-    def move(shape: Shape, change: Array, factor: float) -> tuple[Shape, float]:
-        turn = largest_turn(change) * float(shape.rod.scale[BETA])
-        share = np.clip(factor, -REACH / turn, REACH / turn) if turn else 0.0
-        return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
+    def change_of_ends(shape: Shape, change: Array) -> Array:
+        return end_vector(replace(shape, y=shape.y + change * shape.rod.scale)) - end_vector(shape)
 
     shape = shape_of(state, rod_of(wanted))
     shape = shape_like(shape.rod, shape, shape.t * (wanted.span / shape.t[-1]))
-    near = lead_away(shape, newton_step, move, known, DEFLATED)
-    corrected = None if near is None else correct(near, most=15)
-    if corrected is None or any(are_same(end_vector(corrected), ends) for ends in known):
+    other = deflate(shape, known, end_vector, change_of_ends, REACH / float(shape.rod.scale[BETA]))
+    if other is None or any(are_same(end_vector(other), ends) for ends in known):
         return None
-    return state_of(corrected)
+    return state_of(other)
 
 
 def end_vector(shape: Shape) -> Array:
     """The `NUMBERS` of a shape but the level, (10,): all linear in its states."""
     number = end_numbers(shape)
-    number["swirl"] = float(shape.rod.numbers[0] * number["mu"] * shape.t[-1]) - number["turn"]
     return np.array([number[name] for name in NUMBERS[:-1]])
 
 

@@ -11,19 +11,7 @@ from ..branches.branch_events import Bounds
 from ..core.weight_friction import march
 from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import Array, Booleans, whole_turns
-from ..numerics.roots import lead_away
-from .banded_newton import (
-    DEEP,
-    DEFLATED,
-    change_of_marks,
-    correct,
-    is_same,
-    largest_turn,
-    linear_at,
-    marks_of,
-    size_of,
-    within_a_turn,
-)
+from .banded_newton import change_of_marks, correct, deflate, is_same, marks_of, within_a_turn
 from .buckling import shares_of_buckling, straight_shape
 from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
 from .node_branch import SPLIT, NodeCurve, trace_shapes
@@ -234,20 +222,9 @@ def _wound(open_: Array) -> Booleans:
     return np.asarray(np.abs(turns.sum(axis=0)) > 1)
 
 
-def deflate(start: Shape, known: list[Shape]) -> Shape | None:
+def another_shape(start: Shape, known: list[Shape]) -> Shape | None:
     """An equilibrium that is none of the known ones; None where the steps from a shape lead to none."""
-
-    def newton_step(shape: Shape) -> tuple[Array, Array, Array] | None:
-        change = linear_at(shape, deep=DEEP).newton_change()
-        return None if change is None else (marks_of(shape), change_of_marks(shape, change), change)
-
-    def move(shape: Shape, change: Array, factor: float) -> tuple[Shape, float]:
-        turn = largest_turn(change)
-        share = np.clip(factor, -_ATTEMPTS.reach / turn, _ATTEMPTS.reach / turn) if turn else 0.0
-        return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
-
-    near = lead_away(start, newton_step, move, [marks_of(other) for other in known], DEFLATED)
-    shape = None if near is None else correct(near, most=15)
+    shape = deflate(start, [marks_of(other) for other in known], marks_of, change_of_marks, _ATTEMPTS.reach)
     return None if shape is None or any(is_same(shape, other) for other in known) else shape
 
 
@@ -266,7 +243,7 @@ def further_shapes(rod: LoadedRod, t: Array, known: list[Shape], tries: int) -> 
         turned, moved = rng.normal(size=(2, waves)) / np.arange(1, waves + 1)
         y[:, BETA] += size * rod.scale[BETA] * (np.sin(wave + rng.uniform(0, np.pi, waves)) @ turned)
         y[:, ALPHA] += _ATTEMPTS.around * size * (np.sin(wave) @ moved)
-        shape = deflate(Shape(rod, t, y), known)
+        shape = another_shape(Shape(rod, t, y), known)
         fruitless = fruitless + 1 if shape is None else 0
         if shape is not None:
             yield shape
