@@ -3,11 +3,12 @@ they become when the numbers that the ends hold change."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-import scipy  # its parts are imported when used
 
 from ..numerics.arrays import DOUBTFUL, NEGLIGIBLE, Array
+from ..numerics.roots import sign_changes
 from ..orbits.boundary import DOWN, UP, Boundary, Path, boundary_of, wrap
 from ..orbits.potential import Loads, load_size, slope, slope_rate
 from ..orbits.variations import HelixVariations
@@ -52,8 +53,8 @@ def _angles(known: dict[str, float], given: Given) -> list[float]:
             beta = float(inverse(np.clip(known[name] / given.span, -1, 1)))
             return sorted({beta, float(other(beta))})
 
-    def pull(beta: float) -> float:
-        return float(slope(Loads(known["lam"], _twist(beta, known, given), known["phi"]), beta))
+    def pull(beta: Any) -> Any:
+        return slope(Loads(known["lam"], _twist(beta, known, given), known["phi"]), beta)
 
     def quarter_near(beta: float) -> float:
         """The whole quarter turn beside a root, where it is a root as good: a multiple root has few digits."""
@@ -61,18 +62,11 @@ def _angles(known: dict[str, float], given: Given) -> list[float]:
         return quarter if abs(quarter - beta) < _MULTIPLE and abs(pull(quarter)) <= abs(pull(beta)) else beta
 
     grid = np.linspace(-np.pi, np.pi, _SCAN) + 1e-3
-    values = [pull(float(beta)) for beta in grid]
-    return [
-        quarter_near(float(scipy.optimize.brentq(pull, grid[i], grid[i + 1], xtol=1e-15, maxiter=1000)))
-        for i in range(_SCAN - 1)
-        if values[i] * values[i + 1] < 0
-    ]
+    return [quarter_near(beta) for beta in sign_changes(pull, grid, pull(grid)).tolist()]
 
 
-def _twist(beta: float, known: dict[str, float], given: Given) -> float:
-    if "mu" in known:
-        return known["mu"]
-    return (known["turn"] / given.span + float(np.sin(beta) * np.cos(beta))) / given.ratio
+def _twist(beta: Any, known: dict[str, float], given: Given) -> Any:
+    return known["mu"] if "mu" in known else (known["turn"] / given.span + np.sin(beta) * np.cos(beta)) / given.ratio
 
 
 def _helix(beta: float, known: dict[str, float], given: Given) -> _Helix | None:
@@ -81,7 +75,7 @@ def _helix(beta: float, known: dict[str, float], given: Given) -> _Helix | None:
     for name, value in (("z", c), ("alpha", s)):
         if name in known and abs(known[name] - given.span * value) > DOUBTFUL * given.span:
             return None
-    mu = _twist(beta, known, given)
+    mu = float(_twist(beta, known, given))
     lam, phi = known.get("lam"), known.get("phi")
     rest = float(slope(Loads(lam or 0.0, mu, phi or 0.0), beta))  # H is this plus lam c less phi s of the unknown ones
     small = DOUBTFUL * (1 + abs(lam or 0.0) + abs(mu) + abs(phi or 0.0))

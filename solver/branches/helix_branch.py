@@ -5,6 +5,7 @@ rod that lies along it reaches a fold next to that parameter, nearer than its le
 one where the given numbers are those of a helix; elsewhere it bends.
 """
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -13,7 +14,7 @@ import scipy  # its parts are imported when used
 from ..core.tuning import NUDGE
 from ..numerics.arclength import BRANCH_POINT, PITCHFORK, difference_rates
 from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
-from ..numerics.roots import REACH, halve, root
+from ..numerics.roots import REACH, halve, root, sign_changes
 from ..orbits.periodic_orbit import helix_half_waves, helix_index
 from ..orbits.potential import slope, slope_higher_rates, slope_rate
 from ..problem.dimensionless import EndsProblem
@@ -160,14 +161,14 @@ def end_of_helix(family: Family, p: float, beta: Array) -> tuple[float, float] |
         return None if off is None or rates is None else (off, rates)
 
     angles = np.linspace(beta.min() - _ALONG, beta.max() + _ALONG, 2001)
-    rates = slope_rate(boundary.problem, angles)
-    for i in np.flatnonzero(rates[1:] * rates[:-1] < 0):
-        if np.mean(np.abs(beta - angles[i]) < _ALONG) < _SHARE:
+    rate = partial(slope_rate, boundary.problem)
+    for near in sign_changes(rate, angles, rate(angles)).tolist():
+        if np.mean(np.abs(beta - near) < _ALONG) < _SHARE:
             continue
-        end = root(double_root, np.array([angles[i], p / family.scale]), np.inf)
+        end = root(double_root, np.array([near, p / family.scale]), np.inf)
         if end is None:
             continue
         angle, at = float(end[0]), float(end[1]) * family.scale
-        if abs(at - p) < _CEASES * family.scale and abs(angle - angles[i]) < _ALONG:
+        if abs(at - p) < _CEASES * family.scale and abs(angle - near) < _ALONG:
             return at, angle
     return None

@@ -5,13 +5,15 @@ number. It is marched from many angles of a whole turn, and each change of sign 
 the orbit passes next to a saddle, because there the far end moves fast.
 """
 
+from functools import partial
+
 import numpy as np
 
 from ..branches.given_numbers import LOADS, Given, OrbitState
 from ..branches.orbit_rates import start_rates
 from ..branches.path_correction import state_from_start
 from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
-from ..numerics.roots import BISECTIONS, bisect, roots_between
+from ..numerics.roots import roots_between, sign_changes
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import solve_orbit
 from ..orbits.potential import TAU, potential, slope
@@ -66,12 +68,8 @@ def _angles(problem: EndsProblem, rate: float) -> Array:
     """A turn of angles, rising: evenly, and close to those from which the orbit reaches a saddle."""
     even = np.linspace(-np.pi, np.pi, _ANGLES + 1)
     special = [boundary_of(problem).saddles]
-    for height in potential(problem, special[0]):
-
-        def above(angle: Array, height: float = height) -> Array:
-            return np.asarray(rate**2 + potential(problem, angle) - height)
-
-        change = np.flatnonzero(above(even[1:]) * above(even[:-1]) < 0)
-        special.append(bisect(above, even[change], even[change + 1], BISECTIONS))
+    for height in potential(problem, special[0]) - rate**2:
+        above = partial(lambda height, angle: potential(problem, angle) - height, height)
+        special.append(sign_changes(above, even, above(even)))
     near = np.concatenate(special)[:, None] + np.concatenate([-_CLOSER, _CLOSER])
     return np.unique(np.concatenate([even, (near.ravel() + np.pi) % TAU - np.pi]))

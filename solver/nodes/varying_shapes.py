@@ -12,7 +12,7 @@ from ..core.tuning import BARELY
 from ..core.weight_friction import READ, SIZE, march
 from ..numerics.arrays import FAINT, Array, Booleans, Integers
 from ..numerics.chebyshev import GAUSS
-from ..numerics.roots import BISECTIONS, bisect, largest_between
+from ..numerics.roots import largest_between, sign_changes
 from ..orbits.forces import circumferential_force, contact_force, curvature, surface_forces
 from ..orbits.potential import Loads, slope
 from ..problem.case import IN_PLACE
@@ -128,8 +128,7 @@ class Shape:
         t, y = self.dense
         push = self._pushes_and_rounding(y)
         pulls = push < 0
-        change = np.flatnonzero(pulls[1:] != pulls[:-1])
-        zeros = bisect(lambda t: self._pushes_and_rounding(self._states(t)), t[change], t[change + 1], BISECTIONS)
+        zeros = sign_changes(lambda t: self._pushes_and_rounding(self._states(t)), t, np.where(pulls, -1, 1))
         ends = [*(t[:1] if pulls[0] else ()), *zeros, *(t[-1:] if pulls[-1] else ())]
         first = np.flatnonzero(pulls & ~np.append(False, pulls[:-1]))
         after = np.flatnonzero(pulls & ~np.append(pulls[1:], False)) + 1
@@ -151,12 +150,8 @@ class Shape:
 
     def neutral(self) -> float:
         """The first t at which FZ changes its sign; NaN where it does not."""
-        phi = self.y[:, PHI]
-        where = np.flatnonzero(np.sign(phi[1:]) * np.sign(phi[:-1]) < 0)
-        if not where.size:
-            return np.nan
-        low, high = self.t[where[:1]], self.t[where[:1] + 1]
-        return float(bisect(lambda t: self.at(t)[:, PHI], low, high, BISECTIONS)[0])
+        changes = sign_changes(lambda t: self.at(t)[:, PHI], self.t, self.y[:, PHI])
+        return float(changes[0]) if changes.size else np.nan
 
     def bends(self, rho: float) -> tuple[tuple[float, float], ...]:
         """The interior extrema of beta: s in the unit of rho, and the size [rad], the smaller one of the changes of

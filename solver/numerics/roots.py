@@ -23,7 +23,7 @@ REACH = 0.5
 # of a method that usually takes a tenth of them: one that has not converged then never will. x10: only failures take
 # longer
 ROUNDS = 60
-BISECTIONS = 60  # of a bracket, which is then as narrow as rounding. x10: only time
+_BISECTIONS = 60  # of a bracket, which is then as narrow as rounding. x10: only time
 # of the rate of the product along a step, below which the known zeros hardly matter. x10: known zeros are found again
 _SLIGHT = 0.5
 
@@ -234,15 +234,16 @@ def halve(holds: Callable[[float], object], low: float, high: float, width: floa
     return low, high
 
 
-def bisect(f: Callable[[Array], Array], lo: Array, hi: Array, steps: int) -> Array:
-    """The middles (P,) of brackets (P,) of roots after so many bisections; f: the values at x (P,)."""
-    if not lo.size:
-        return lo
-    first = f(lo)
-    for _ in range(steps):
-        x = (lo + hi) / 2
-        below = f(x) * first > 0
-        lo, hi = np.where(below, x, lo), np.where(below, hi, x)
+def sign_changes(f: Callable[[Array], Array], x: Array, value: Array, steps: int = _BISECTIONS) -> Array:
+    """Where f changes its sign between neighbours of rising places x (n,), (P,), by so many bisections; value: f(x), or
+    its sign. Neighbours one of which is 0 have no change."""
+    sign = np.sign(value)
+    k = np.flatnonzero(sign[1:] * sign[:-1] < 0)
+    lo, hi = x[k], x[k + 1]
+    for _ in range(steps if k.size else 0):
+        middle = (lo + hi) / 2
+        before = f(middle) * sign[k] > 0
+        lo, hi = np.where(before, middle, lo), np.where(before, hi, middle)
     return (lo + hi) / 2
 
 
@@ -309,5 +310,4 @@ def roots_between(f: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
         lo, hi = np.where(falls, left, lo), np.where(falls, hi, right)
     every = np.unique(np.concatenate([x, (lo + hi) / 2]))
     value = f(every)
-    change = np.flatnonzero(value[1:] * value[:-1] < 0)
-    return bisect(f, every[change], every[change + 1], BISECTIONS), every[value == 0]
+    return sign_changes(f, every, value), every[value == 0]

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..core.tuning import LOWEST
 from ..numerics.arrays import Array, Booleans
-from ..numerics.roots import bisect
+from ..numerics.roots import sign_changes
 from ..problem.dimensionless import EndsProblem
 from .boundary import Boundary, Levels, fall, height_scale
 from .potential import slope, slope_higher_rates, slope_rate
@@ -128,9 +128,8 @@ def grid_levels(top: float, features: Array, shelves: Array, deepest: float, ste
 def _shelves(problem: EndsProblem) -> tuple[Array, Array]:
     """Angles at which G falls or rises least between two of its bends (H' = 0, H H'' > 0), and the half heights of the
     stretches about them in which G is almost level."""
-    rate = slope_rate(problem, _SCAN)
-    k = np.flatnonzero(rate[:-1] * rate[1:] <= 0)
-    at = bisect(lambda x: slope_rate(problem, x), _SCAN[k], _SCAN[k + 1], 25)
+    falls = slope_rate(problem, _SCAN) < 0
+    at = sign_changes(lambda x: slope_rate(problem, x), _SCAN, np.where(falls, -1, 1), 25)
     second, _ = slope_higher_rates(problem, at)
     H = slope(problem, at)
     shelf = H * second > 0

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from solver.numerics.roots import bisect
+from solver.numerics.roots import sign_changes
 from solver.orbits.boundary import critical_points
 from solver.orbits.potential import TAU, potential, slope_rate
 from solver.problem.errors import InputError
@@ -31,7 +31,6 @@ LEVELS = 7  # level sets
 ROD = "the rod, at its level h"
 OTHERS = "other level sets of β′² + G"
 ROUNDING = 1e-12
-BISECTIONS = 60  # of angles where a level is met
 SPARE = 0.06  # of the window, to the left and right of what must be seen
 LEAST = np.radians(0.5)  # of a window
 SEPARATRIX: dict[str, Any] = {
@@ -225,8 +224,7 @@ def _level_set(ax: Axes, one: DrawnOrbit, level: float, **look: Any) -> None:
     above = level - one.G(angles)
     size = ROUNDING * (abs(level) + float(np.ptp(above)))
     above = np.where(np.abs(above) < size, 0.0, above)
-    k = np.flatnonzero(above[1:] * above[:-1] < 0)
-    meet = bisect(lambda b: level - one.G(b), angles[k], angles[k + 1], BISECTIONS)
+    meet = sign_changes(lambda b: level - one.G(b), angles, above)
     order = np.argsort(np.concatenate([angles, meet]), kind="stable")
     angles, above = (np.concatenate(pair)[order] for pair in ((angles, meet), (above, np.zeros(meet.size))))
     rate = np.sqrt(np.where(above < 0, np.nan, above))
