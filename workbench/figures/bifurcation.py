@@ -20,7 +20,7 @@ from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED
 
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import branch_lines, canvas, colours, fonts, point_numbers, print_heights, unrolled
+from . import branch_lines, canvas, colours, crossing_rings, fonts, point_numbers, print_heights, unrolled
 from .equilibria_figure import one_shown
 from .sheet import SCREEN, Sheet, set_range
 
@@ -325,7 +325,7 @@ def _large_enough(stored: StoredStudy, chosen: Sequence[int], sheet: Sheet) -> l
 def _share_seen(panel: unrolled.UnrolledPanel, view: unrolled.UnrolledView) -> float:
     """How many times as large as needed the view of an unstable rod is drawn: below 1 too little of it is seen."""
     size = float(max(view.size * [1, panel.form.factor])) * panel.form.scale
-    return size / max(SMALLEST, len(view.rings) * unrolled.RING / 72 / RINGED)
+    return size / max(SMALLEST, len(view.rings) * crossing_rings.SMALLEST / 72 / RINGED)
 
 
 def _views(stored: StoredStudy, chosen: Sequence[int], sheet: Sheet) -> unrolled.UnrolledPanel:

@@ -35,7 +35,6 @@ from . import fonts, legend_room
 from .axis_scales import RoomLocator, Ticks
 from .colours import INK, SOFT
 from .fonts import DPI, RC
-from .legend_room import HANDLE
 from .print_heights import TALLEST, heighten_axes, resize
 from .sheet import SCREEN, Sheet
 
@@ -44,7 +43,6 @@ ROW = 1.55  # inches of a row of axes in print at least, with labels and title
 # inches that a panel with axes gives up for views: at 0.35 the push of a rod keeps one number, at 0.15 views overlap
 LABELS = 0.25
 MARGIN, AFTER, TITLE = 0.15, 0.1, 0.62  # inches around a title, below it, and of all of it where its lines are short
-BROKEN = 0.75  # lines by which a legend is to be lower for each name that it breaks
 MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
@@ -70,16 +68,15 @@ def figure(
     default: the reading of the file.
     """
     titled = stored is not None and sheet.titled
-    if sheet.style == "paper":
-        size = size[0], min(size[1], TALLEST - TITLE * titled)
+    tallest = TALLEST if sheet.style == "paper" else np.inf
     with rc_context(RC | sheet.settings()):
-        fig = Figure(figsize=size, dpi=dpi, layout=layout)
+        fig = Figure(figsize=(size[0], min(size[1], tallest)), dpi=dpi, layout=layout)
         FigureCanvasAgg(fig)
         draw(fig)
         if sheet.style == "paper" and layout is not None:
             _letter_panels(fig)
         if stored is not None and titled:
-            _set_title(fig, stored.reading if said is None else said, str(stored.attrs["title"]))
+            _set_title(fig, stored.reading if said is None else said, str(stored.attrs["title"]), tallest)
         _write_numbers(fig)
         set_in_mathematics(fig)
         if layout is not None:
@@ -227,11 +224,11 @@ def _letter_panels(fig: Figure) -> None:
     if not 1 < len(panels) <= MOST_LETTERS:
         return
     for letter, ax in zip(ascii_lowercase, panels, strict=False):
-        down = 4 if str(ax.get_label()).startswith("unrolled views along") else 0  # beside the names of its strips
+        lines = ax.get_title(loc="left").count("\n") if ax.axison else -1  # the words of views stand in their axes
         ax.annotate(
             letter,
             (0, 1),
-            (-6, 5 - down),
+            (-6, 6 + 1.2 * lines * fonts.normal() - (lines < 0)),
             xycoords="axes fraction",
             textcoords="offset points",
             ha="right",
@@ -264,10 +261,10 @@ def write_title(fig: Figure, title: str, below: str) -> float:
     return used + AFTER
 
 
-def _set_title(fig: Figure, below: str, title: str) -> None:
-    """A title, and a line below it, above a constrained layout, for which the figure grows."""
+def _set_title(fig: Figure, below: str, title: str, tallest: float) -> None:
+    """A title, and a line below it, above a constrained layout, for which the figure grows up to so many inches."""
     used = write_title(fig, title, below)
-    fig.set_figheight(fig.get_figheight() + used)
+    fig.set_figheight(min(fig.get_figheight() + used, tallest))
     engine = fig.get_layout_engine()
     assert isinstance(engine, ConstrainedLayoutEngine)
     engine.set(rect=(0, 0, 1, 1 - used / fig.get_figheight()), w_pad=0.1, h_pad=0.08)
@@ -321,7 +318,7 @@ def write_below(fig: Figure, said: Said) -> None:
     add_to_caption(fig, [sentence for sentence in said if isinstance(sentence, str)])
     if not entries:
         return
-    columns, names = legend_columns(list(entries), fig.get_figwidth() - 0.3)
+    columns, names = legend_room.legend_columns(list(entries), fig.get_figwidth() - 0.3)
     fig.legend(
         list(entries.values()),
         names,
@@ -334,31 +331,11 @@ def write_below(fig: Figure, said: Said) -> None:
 
 
 def _says_more(more: Artist, entry: Artist) -> bool:
-    """Whether an entry with the mark of another one continues its words, after a comma."""
+    """Whether an entry with the mark of another one has its words and more, all between commas."""
     lines = [each for each in (more, entry) if isinstance(each, Line2D)]
     marks = {(line.get_marker(), line.get_color(), line.get_linestyle(), line.get_linewidth()) for line in lines}
-    return len(lines) == 2 and len(marks) == 1 and str(more.get_label()).startswith(f"{entry.get_label()},")
-
-
-def legend_columns(names: Sequence[str], width: float, most: int = 2) -> tuple[int, list[str]]:
-    """The columns of a legend of one entry or more, and its names in lines, where it is lowest in so many inches.
-
-    most: lines of a name in one of several columns; alone it takes as many as it needs.
-    """
-    size, tried = fonts.small(), []
-    for columns in range(1, len(names) + 1):
-        room = max((width + legend_room.GAP) / columns - HANDLE, 0.0)
-        broken = [fonts.break_lines(name, room, size) for name in names]
-        for written in (list(names), broken):
-            lines = [name.count("\n") + 1 for name in written]
-            across = sum(
-                HANDLE + max(fonts.width_of(name, size) for name in part)
-                for part in np.array_split(np.array(written, dtype=object), columns)
-            )
-            if (max(lines) <= most and across <= width + legend_room.GAP) or (columns == 1 and written is broken):
-                high = max(map(sum, np.array_split(lines, columns))) + BROKEN * (sum(lines) - len(lines))
-                tried.append((high, columns, written))
-    return min(tried)[1:]
+    words, least = (set(str(each.get_label()).split(", ")) for each in (more, entry))
+    return len(lines) == 2 and len(marks) == 1 and words > least
 
 
 def draw_arrow(

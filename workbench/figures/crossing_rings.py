@@ -10,9 +10,11 @@ from matplotlib.lines import Line2D
 from .colours import CROSSED
 from .halo import Halo
 
-RING, EDGED = 1.2, 1.9  # points, the line of a ring, without and with its pale edges
+RING, EDGED = 1.2, 1.9  # points, the line of a ring at most, without and with its pale edges
+THIN = 6.0  # a smaller ring has a line so many times thinner than it is wide
 CROWDED = 1.15  # between the middles of two rings, in the size of one
 RADII, IN_RODS = (0.03, 0.065), 0.75  # inches of a ring on a rod in space at least and at most; else radii of its rod
+SMALLEST, LOOP = 3.5, 1 / 3  # points of a ring around lines, and beside them; of the width of their loop at most
 
 
 def entry(label: str) -> Line2D:
@@ -35,6 +37,11 @@ def radius(a: float) -> float:
     return float(np.clip(IN_RODS * a, *RADII))
 
 
+def around(apart: float, loop: float) -> float:
+    """The size of a ring around two lines so many inches apart that make a loop so many inches wide [points]."""
+    return max(min(72 * apart + SMALLEST, 72 * LOOP * loop), SMALLEST)
+
+
 def draw(ax: Axes, places: Any, sizes: Any, name: str, **look: Any) -> PathCollection:
     """Ring the places (n, 2) where rods pass through themselves: open circles, which do not cover what they mark, with
     a pale edge, as rods are dark in places.
@@ -49,5 +56,6 @@ def draw(ax: Axes, places: Any, sizes: Any, name: str, **look: Any) -> PathColle
         if all(np.hypot(*(places[k] - places[i])) >= CROWDED * (sizes[k] + sizes[i]) / 2 / 72 for i in kept):
             kept.append(k)
     x, y = places[kept].T
-    return ax.scatter(x, y, s=np.square(sizes[kept]), facecolors="none", edgecolors=CROSSED, linewidths=RING, gid=name,
-                      zorder=5, clip_on=False, path_effects=[Halo(EDGED)], **look)  # fmt: skip
+    widths = np.minimum(RING, sizes[kept] / THIN)
+    return ax.scatter(x, y, s=np.square(sizes[kept]), facecolors="none", edgecolors=CROSSED, linewidths=widths,
+                      gid=name, zorder=5, clip_on=False, path_effects=[Halo(EDGED)], **look)  # fmt: skip

@@ -56,11 +56,12 @@ def curve(stored: StoredStudy, room: tuple[float, float], letters: float) -> unr
     )
     over: list[Any] = [((a, c), (b, d), JOINED, "") for a, b, c, d in zip(*points, *feet, strict=True)]
     over += [(*points, MEASURED, "measured points")] if points else []
-    rings = None
+    rings: list[unrolled.Crossing] | None = None
     if "overlaps" in caution_words.keys(str(stored["caution"].values)):
         rho = factors["alpha"]
         rings = unrolled.crossings(stored["s"].values, rho, stored["alpha"].values, line[0], float(stored["a"]), rho)
-    rings = [((x, y + line[1][0]), apart) for (x, y), apart in rings or []]  # around from alpha = 0, as the points
+    start = np.array([0.0, line[1][0]])  # around from alpha = 0, as the points
+    rings = [ring._replace(place=ring.place + start) for ring in rings or []]
     view = unrolled.UnrolledView(line[0], line[1], "", FITTED, rings, name="fitted rod", over=over)
     return unrolled.UnrolledPanel([view], room, letters, labels.unit(stored.units["length"]))
 

@@ -83,13 +83,13 @@ def break_lines(text: str, room: float, size: float | None = None, bold: bool = 
     """The text in lines that are no longer than so many inches, for a font of that size in points.
 
     A word that is longer than a line is cut; a product such as ``5 x 4`` is one word. No line begins with a unit in
-    brackets, with a dot between two texts, or with what a symbol equals.
+    brackets, with a dot between two texts, with what a symbol equals, or with where it is held.
     """
     size = size or normal()
     room = max(room, 12 * size * LETTER)
     text = re.sub(r"(?<=\d) x (?=\d)", "\N{NO-BREAK SPACE}x\N{NO-BREAK SPACE}", text)
     most = int(1.2 * len(text) * room / max(width_of(text, size, bold), room)) + 1
-    text = re.sub(r" (?=[\[·=])|(?<==) ", GLUE, text)
+    text = re.sub(r" (?=[\[·=])|(?<==) |(?<=, at) ", GLUE, text)
     while True:
         lines = [line.replace(GLUE, " ") for line in textwrap.wrap(text, most, break_on_hyphens=False)]
         widest = max((width_of(line, size, bold) for line in lines), default=0.0)

@@ -1,6 +1,6 @@
 """The panel of a law: its observable against its axis, what the law compares it with, the verdict with its reason."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,8 @@ from . import canvas, colours, fonts
 from .trends import trend
 
 
-def panel(law: LawLine, ax: Axes) -> str:
-    """Draw a law: its trend, and above it what it does, with the verdict. Returns its sentence of the caption."""
+def panel(law: LawLine, ax: Axes, title: str) -> str:
+    """Draw a law: its trend, and above it a title in the colour of the verdict. Returns its sentence of the caption."""
     row = law.row
     is_covered = row["kind"] == "equals" or (row["kind"] == "scales" and bool(row["numbers"]))
     trend(law, ax, joined=not is_covered)
@@ -37,26 +37,24 @@ def panel(law: LawLine, ax: Axes) -> str:
                 **how,
             )
     draw_curve(law, ax)
-    ax.set_title(fonts.wrap(title_of(law, fonts.inches(ax)[0]), ax), loc="left", color=colour)
+    ax.set_title(fonts.wrap(title, ax), loc="left", color=colour)
     canvas.add_legend(ax)
     return caption_of(law)
 
 
-def title_of(law: LawLine, room: float, size: float | None = None) -> str:
-    """What a law shows, as much of it as stands on a line of so many inches, and its verdict: the caption has all.
+def titles(laws: Sequence[LawLine], room: float, size: float) -> list[str]:
+    """What each law of a picture shows, and its verdict: with numbers where all titles stand on lines of so many
+    inches, else all with the name of the claim in their place; the caption has all.
 
-    size: points of the letters; default: of ordinary ones.
+    size: points of the letters.
     """
-    row, verdict = law.row, law.row["verdict"]
-    if row["kind"] == MONOTONE:
-        head, rest = _message(law)
-        titles = [f"{head}{rest} · {row['claim']}: {verdict}", f"{head}{rest} · {verdict}"]
-        last = f"{head} · {row['claim']}: {verdict}"
-    else:
-        noun, rule = _noun(law), labels.typeset(_rule(law))
-        titles = [f"{noun}{rule}: {verdict}{_exponent_note(row)}", f"{noun}{rule}: {verdict}"]
-        last = f"{noun} · {row['claim']}: {verdict}"
-    return next((title for title in titles if fonts.width_of(title, size or fonts.normal()) <= room), last)
+    full, short = [], []
+    for law in laws:
+        (head, rest), verdict = _message(law), f": {law.row['verdict']}".replace(" ", labels.NO_BREAK)
+        claim = f" · {law.row['claim']}"
+        full.append(f"{head}{rest}{claim * (law.row['kind'] == MONOTONE)}{verdict}{_exponent_note(law.row)}")
+        short.append(f"{head}{claim}{verdict}")
+    return full if all(fonts.width_of(title, size) <= room for title in full) else short
 
 
 def _noun(law: LawLine) -> str:
@@ -97,13 +95,15 @@ def _exponent_note(row: Mapping[str, Any]) -> str:
 
 
 def _message(law: LawLine) -> tuple[str, str]:
-    """What the line of a law with a direction shows: ``Number of bends falls with E`` and ``: 8 to 5``."""
+    """What a law shows, and its numbers: ``Number of bends falls with E`` and ``: 8 to 5``."""
     noun, values = _noun(law), law.values[np.isfinite(law.values)]
+    if law.row["kind"] != MONOTONE:
+        return noun, labels.typeset(_rule(law))
     if not values.size:
         return noun, ""
     first, last = (labels.value(end, law.observable) for end in (values[0], values[-1]))
     if np.ptp(values) <= NOISE * np.abs(values).max():
-        return noun, f" stays at {first}"
+        return f"{noun} stays at {first}", ""
     steps = np.sign(np.diff(values)) * np.sign(values[-1] - values[0])
     wrong, axis = int((steps < 0).sum()), labels.symbol(law.axis)
     does = "rises" if values[-1] > values[0] else "falls"

@@ -1,8 +1,9 @@
 """Legends that cover lines or points of their axes are put below them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PathCollection, PolyCollection
@@ -17,6 +18,7 @@ from . import fonts
 
 POINT = 2.0  # pixels by which a point reaches beyond its middle
 HANDLE, GAP = 0.45, 0.1  # inches: of an entry beside its label; between columns of a legend
+BROKEN = 0.75  # lines by which a legend is to be lower for each name that it breaks
 BELOW = 0.06  # inches between the words of an axis and the legend below
 
 
@@ -35,6 +37,32 @@ def clear(fig: Figure) -> float:
         row = round(ax.bbox.y0)
         needed[row] = max(needed.get(row, 0.0), BELOW + _move_below(fig, ax, legend))
     return sum(needed.values())
+
+
+def legend_columns(names: Sequence[str], width: float, most: int = 2) -> tuple[int, list[str]]:
+    """The columns of a legend of one entry or more, and its names in lines, where it is lowest in so many inches.
+
+    most: lines of a name in one of several columns; alone it takes as many as it needs.
+    """
+    size, tried = fonts.small(), []
+    for columns in range(1, len(names) + 1):
+        room = max((width + GAP) / columns - HANDLE, 0.0)
+        broken = [fonts.break_lines(name, room, size) for name in names]
+        for written in (list(names), broken):
+            lines = [name.count("\n") + 1 for name in written]
+            across = sum(
+                HANDLE + max(fonts.width_of(name, size) for name in part)
+                for part in np.array_split(np.array(written, dtype=object), columns)
+            )
+            if (max(lines) <= most and across <= width + GAP) or (columns == 1 and written is broken):
+                high = lines_of(written, columns) + BROKEN * (sum(lines) - len(lines))
+                tried.append((high, columns, written))
+    return min(tried)[1:]
+
+
+def lines_of(names: Sequence[str], columns: int) -> int:
+    """The lines of the highest of so many columns of a legend."""
+    return max(sum(name.count("\n") + 1 for name in part) for part in np.array_split(np.array(names, object), columns))
 
 
 def _renderer(fig: Figure) -> Any:
@@ -69,12 +97,9 @@ def _move_below(fig: Figure, ax: Axes, legend: Legend) -> float:
         for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True)
         if isinstance(handle, Line2D | Patch)
     ]
-    room = ax.bbox.width / fig.dpi
-    labels = [fonts.break_lines(label, room - HANDLE - GAP, fonts.small()) for _, label in entries]
+    columns, labels = legend_columns([label for _, label in entries], ax.bbox.width / fig.dpi)
     words = ax.xaxis.get_tightbbox(_renderer(fig))
     drop = BELOW + ((ax.bbox.y0 - words.y0) / fig.dpi if words is not None else 0.0)
-    widest = HANDLE + GAP + max(fonts.width_of(label, fonts.small()) for label in labels)
-    columns = max(int(room / widest), 1)
     below = ax.transAxes + ScaledTranslation(0, -drop, fig.dpi_scale_trans)
     moved = ax.legend(
         [handle for handle, _ in entries],
@@ -85,8 +110,8 @@ def _move_below(fig: Figure, ax: Axes, legend: Legend) -> float:
         bbox_to_anchor=(0, 0),
         bbox_transform=below,
         ncols=columns,
+        columnspacing=1.0,
     )
     for text, before in zip(moved.get_texts(), legend.get_texts(), strict=True):
         text.set_parse_math(before.get_parse_math())
-    lines = max(label.count("\n") + 1 for label in labels)
-    return -(-len(labels) // columns) * lines * 1.6 * fonts.small() / 72
+    return lines_of(labels, columns) * 1.6 * fonts.small() / 72

@@ -57,16 +57,9 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         pulled = coloured and "push" not in names and any(push_scale.pulls(rod["push"]) for rod in rods.solved)
         return [*[Line2D([], [], color=colours.PULLED, linewidth=2.2, label=push_scale.PULLS)] * pulled, *view.draw(ax)]
 
-    def over_s(name: str, ax: Axes) -> canvas.Said:
-        said = along_rods.alone(ax, rods, arrays[name][0])
-        if sheet.narrow and name == "angle" and names[1:2] == ["push"]:  # the panel below has the same s
-            ax.set_xlabel("")
-            ax.tick_params(labelbottom=False)
-        return said
-
-    rows: list[canvas.Row] = [
-        (view.height + unrolled.LABELS, [curve]) if view and name == "curve" else (each, [partial(over_s, name)])
-        for name in names
-    ]
+    rows: list[canvas.Row] = []
+    for name in names:
+        over_s = partial(along_rods.alone, rods=rods, name=arrays[name][0])
+        rows.append((view.height + unrolled.LABELS, [curve]) if view and name == "curve" else (each, [over_s]))
     held = whole.equations({axis: place[axis] for axis in whole.varied})
     return canvas.page(stored, sheet, rows, [*[f"The rod: {held}."] * bool(held), *rods.notes])

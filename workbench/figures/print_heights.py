@@ -17,7 +17,8 @@ from .sheet import MILLIMETRES
 TALLEST = 185 / MILLIMETRES  # inches of a figure in print
 LEAST_AXES = 25 / MILLIMETRES  # inches of axes in print at least
 DRAWN = 0.95  # share of its own height that a view keeps: with less the words of two columns meet
-TRIES = 4  # to give axes that height: what a figure gains is shared with its views
+SPARE = 0.06  # inches below a view that are not taken away
+TRIES = 6  # to give axes that height: what a figure gains is shared with its views
 
 
 class TooLow(InputError):
@@ -36,7 +37,8 @@ def with_room(draw: Callable[[int], Figure], most: int) -> Figure:
 
 
 def heighten_axes(fig: Figure) -> None:
-    """Let a figure grow, up to `TALLEST`, until its axes are `LEAST_AXES` high and its views have their own inches.
+    """Let a figure grow, up to `TALLEST`, until its axes are `LEAST_AXES` high and its views have their own inches, and
+    shrink by what views have beyond these.
 
     Raises `TooLow` where axes are lower.
     """
@@ -52,9 +54,15 @@ def heighten_axes(fig: Figure) -> None:
         if any(key.get_window_extent().y1 > bottom for key in fig.legends):
             lowest = 0.0  # the layout was given up: what stands around the axes leaves them no room
         wide, high = map(float, fig.get_size_inches())
-        short = _shortfalls(fig)
+        apart = _shortfalls(fig)
+        short = {ax: inches for ax, inches in apart.items() if inches > (1 - DRAWN) * np.ptp(ax.get_ylim())}
         if lowest >= LEAST_AXES and not short:
-            return
+            if not (spare := {ax: inches for ax, inches in apart.items() if inches < -SPARE}):
+                return
+            for ax, inches in spare.items():
+                _heighten_row(ax, inches)
+            resize(fig, (wide, high + sum(spare.values())))
+            continue
         more_height = max(1.02 * rows * (LEAST_AXES - lowest) + 0.01, 0.0) + sum(short.values())
         if (grown := min(high + more_height, TALLEST)) > high:
             for ax, inches in short.items():
@@ -69,11 +77,11 @@ def heighten_axes(fig: Figure) -> None:
 
 
 def _shortfalls(fig: Figure) -> dict[Axes, float]:
-    """The views in panels that are lower than the inches of their own axes, and by how much."""
+    """By how many inches the panels of views are lower than their own axes, below 0 higher."""
     views = [ax for ax in fig.axes if not ax.axison and ax.get_aspect() == 1 and ax.get_subplotspec() is not None]
     heights = [float(np.ptp(ax.get_ylim())) for ax in views]
     cells = [ax.get_position(original=True).height * fig.get_figheight() for ax in views]
-    return {ax: high - cell for ax, high, cell in zip(views, heights, cells, strict=True) if cell < DRAWN * high}
+    return {ax: high - cell for ax, high, cell in zip(views, heights, cells, strict=True)}
 
 
 def _heighten_row(ax: Axes, more: float) -> None:

@@ -40,6 +40,11 @@ class Sheet:
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
+    def normal(self) -> float:
+        """Points of ordinary letters."""
+        return STYLES[self.style][0]
+
+    @property
     def small(self) -> float:
         """Points of small letters."""
         return STYLES[self.style][1]

@@ -16,13 +16,14 @@ from studies.grammar.axes import SAMPLE
 from ..stored.stored_study import StoredStudy
 from ..stored.trend_lines import LawLine, TrendLine
 from ..words import labels
-from . import canvas, drawn_rods, law_panel, print_heights, trends, unrolled
+from . import canvas, drawn_rods, fonts, law_panel, print_heights, trends, unrolled
 from .sheet import SCREEN, Sheet, set_range
 
 BEND_LESS = "bend by less than the width of a line at one scale"  # of rods whose views are not drawn
 LAW_HEIGHT = 3.2  # inches of a law at most
 NARROW_LAW = 1.9  # inches of a law on a narrow sheet at most
 MOST_CURVES = 9  # curves along an axis
+MOST_IN_COLUMN = 5, 3  # on one column of a page, along one axis and along each of several
 MOST_PLAIN = 4  # observables shown where there is no law
 MOST_NARROW = 3  # panels of laws on one column of a page, one less with curves
 
@@ -73,8 +74,8 @@ def figure(
     chosen = _choice(stored, laws, along, axes if unrolled.has_curve(whole) else [], show, sheet)
     most = len(chosen.panels)
     is_whole = sheet.panel is not None or bool(show) or sheet.style != "paper"
-    strips = (chosen if is_whole else _first_of(chosen, most, sheet.narrow)).strips
-    rods = {name: drawn_rods.choose(whole, ("alpha", "z"), name, most=MOST_CURVES) for name in strips}
+    most_curves = MOST_IN_COLUMN[len(chosen.strips) > 1] if sheet.narrow else MOST_CURVES
+    rods = {name: drawn_rods.choose(whole, ("alpha", "z"), name, most=most_curves) for name in chosen.strips}
     if is_whole:
         return _figure_of(stored, rods, chosen, sheet)
     return print_heights.with_room(
@@ -91,12 +92,12 @@ def _figure_of(
     strips_high = unrolled.STRIPS[not sheet.narrow] * width
     if sheet.style == "paper" and chosen.strips:
         rows_below = -(-count // (1 if sheet.narrow else 2))
-        left = print_heights.TALLEST - canvas.TITLE * sheet.titled - rows_below * canvas.ROW
+        left = print_heights.TALLEST - canvas.TITLE * sheet.titled - rows_below * canvas.ROW - unrolled.LEGEND
         strips_high = min(strips_high, max(left / len(chosen.strips) - unrolled.LABELS, unrolled.LEAST_STRIP))
-    has_laws = any(isinstance(line, LawLine) for line in chosen.panels)
-    across = 1 if sheet.narrow else 3 if count == 3 and not has_laws else min(count, 2)
+    laws = [line for line in chosen.panels if isinstance(line, LawLine)]
+    across = 1 if sheet.narrow else 3 if count == 3 and not laws else min(count, 2)
     law_height = min(LAW_HEIGHT, max(0.35 * width, canvas.PANEL))
-    room = width - unrolled.BESIDE, strips_high
+    room = width - unrolled.BESIDE - sheet.normal * fonts.LINE, strips_high  # a label may have two lines
     views = {name: unrolled.panel_of(rods, room, sheet.small, coloured=False) for name, rods in rods_along.items()}
     straight = [name for name, view in views.items() if view.is_straight and sheet.panel is None and count]
     shown = {name: view for name, view in views.items() if name not in straight}
@@ -105,9 +106,11 @@ def _figure_of(
         left -= sum(view.height + unrolled.LABELS for view in shown.values())
         law_height = float(np.clip(left / max(count, 1), canvas.ROW, NARROW_LAW))
 
+    titles = dict(zip(laws, law_panel.titles(laws, width / across - fonts.BESIDE, sheet.normal), strict=True))
+
     def draw(line: TrendLine, ax: Axes) -> canvas.Said:
         if isinstance(line, LawLine):
-            said = [law_panel.panel(line, ax)]
+            said = [law_panel.panel(line, ax, titles[line])]
         else:
             said = []
             trends.trend(line, ax).set_label(labels.long_name(line.observable))
@@ -124,7 +127,6 @@ def _figure_of(
     lines += canvas.in_rows([partial(draw, line) for line in chosen.panels], across, law_height, filled=True)
     said = [f"Unrolled, the rods along {labels.axis_symbol(name)} {BEND_LESS}." for name in straight]
     said += [trends.ALONE] * any(line.alone for line in chosen.panels)
-    said += [trends.OTHERS] * any(len(line.lines) for line in chosen.panels)
     said += [*map(law_panel.caption_of, chosen.in_words), *chosen.level]
     said += labels.definitions(stored.expressions, _formulas(chosen))
     said += canvas.say_left_out(chosen.left_out, "--show or --panel")
@@ -203,21 +205,19 @@ def _formulas(chosen: _Choice) -> list[str]:
 
 
 def _first_of(chosen: _Choice, most: int, narrow: bool) -> _Choice:
-    """The first panels of what is chosen; narrow: with unrolled views along one axis, and a panel less beside them.
+    """The first panels of what is chosen; narrow: a panel less beside unrolled views.
 
     Laws without a panel are said in the caption.
     """
-    strips, most = (chosen.strips[:1], most - bool(chosen.strips and most > 2)) if narrow else (chosen.strips, most)
+    most -= narrow and bool(chosen.strips) and most > 2
     rest = chosen.panels[most:]
     laws = [law for law in rest if isinstance(law, LawLine)]
     names = [str(line.observable.name) for line in rest if not isinstance(line, LawLine)]
-    views = [f"views along {labels.axis_symbol(axis)}" for axis in chosen.strips[len(strips) :]]
     return replace(
         chosen,
         panels=chosen.panels[:most],
-        strips=strips,
         in_words=[*laws, *chosen.in_words],
-        left_out=[*names, *views, *chosen.left_out],
+        left_out=[*names, *chosen.left_out],
     )
 
 

@@ -11,13 +11,11 @@ from ..stored.trend_lines import TrendLine
 from ..words import labels
 from . import colours, fonts
 from .axis_scales import SPARE, RoomLocator, set_scale
-from .sheet import ONE_COLUMN
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
 ALONE = "Each rod was let go by itself: neighbours may be at different minima of the energy, and no line joins them."
 WITHIN = "estimated error"  # in a legend
 WITHOUT = "solved, without a number"  # in a legend
-OTHERS = "Pale lines: at other values of the other axes."
 BRACKET, CHANGE = "changes in between", "change"  # of a whole number: in a legend, and the gid of what shows it
 NEAR = 0.08  # inches between two values of an axis whose dots touch: a step in their middle is right within a dot
 
@@ -25,18 +23,19 @@ Values = NDArray[np.float64]
 
 
 def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
-    """A number of each case against an axis; of a grid the other lines are faint.
+    """A number of each case against an axis; of a grid the lines at other values of the other axes are faint.
 
     joined: whether a line joins the cases, and not another one that is drawn over them; more than `MOST_DOTS` have one.
     """
     along = labels.in_label_unit(line.axis, line.along)
     lines, values = (labels.in_label_unit(line.observable, numbers) for numbers in (line.lines, line.values))
     set_scale(ax.xaxis, (float(along.min()), float(along.max())), line.is_logarithmic, SPARE)
-    for other in lines:
-        draw_line(ax, along, other, line.is_count, color=colours.FAINT, linewidth=1, zorder=1)
+    for k, other in enumerate(lines, 1):
+        look: dict[str, Any] = {"color": colours.FAINT, "linewidth": 1, "zorder": 1, "gid": f"{line.elsewhere}, {k}"}
+        draw_line(ax, along, other, line.is_count, label=line.elsewhere, **look)
     changes = np.empty(0, dtype=int)
     if joined or along.size > MOST_DOTS:
-        look: dict[str, Any] = {"color": colours.DATA, "linewidth": 1.2, "zorder": 2}
+        look = {"color": colours.DATA, "linewidth": 1.2, "zorder": 2}
         changes = draw_line(ax, along, values, line.is_count, line.broken, **look)
     for k in changes.tolist():
         ax.plot(along[[k - 1, k]], [values[[k - 1, k]].mean()] * 2, color=colours.SOFT, linewidth=0.8, marker="|",
@@ -47,10 +46,9 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
     if line.fold is not None:
         ax.axvline(float(np.degrees(line.fold)), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     wide, high = fonts.inches(ax)
-    page = ax.get_figure(root=True)
-    lines_of_label = 2 if page and page.get_figwidth() >= ONE_COLUMN else 1  # views have what labels leave
-    ax.set_xlabel(fonts.wrap(fonts.fit_label(partial(labels.axis_label, line.axis, held=line.held), wide, 1), ax))
-    ax.set_ylabel(fonts.fit_label(partial(labels.label, line.observable), high, lines_of_label))
+    along_label = fonts.fit_label(partial(labels.axis_label, line.axis, held=line.held), wide)
+    ax.set_xlabel(along_label if "\n" in along_label else fonts.wrap(along_label, ax))
+    ax.set_ylabel(fonts.fit_label(partial(labels.label, line.observable), high))
     ax.margins(y=0.1)
     drawn = np.vstack([lines, values])
     drawn = drawn[np.isfinite(drawn)]

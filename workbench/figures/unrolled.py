@@ -10,7 +10,7 @@ the rod needs. A rod that leaves a line below comes back above, as it goes about
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import floor, log10
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -36,7 +36,7 @@ from .sheet import SCREEN, Sheet
 NAMES = ("alpha", "z", "push")
 MOST = 60
 TALLEST = 0.78  # the height of all views of a figure as a share of its width
-STRIPS, LEAST_STRIP = (0.7, 0.42), 0.9  # height over a narrow and another width of a sheet; inches in print at least
+STRIPS, LEAST_STRIP = (0.75, 0.42), 0.9  # height over a narrow and another width of a sheet; inches in print at least
 LABELS = 0.35  # inches below and above views in a panel
 BESIDE, BELOW, LEGEND = 0.5, 0.15, 0.25  # inches of a figure beside views, below them, and of a legend of rings
 WORDS, ABOVE = 1.3 / 72, 0.06  # inches of a line of words per point of its size; from the words to their view
@@ -46,12 +46,10 @@ HAIRLINE, TINY = 1.1 / 72, 1e-12  # inches of the width of a line; no length
 LEAST = 0.12  # inches of a view, below which one direction is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches of all upwards at most
-RING = 3.5  # points across, beyond the distance of the two stretches: it stands around their lines
 REACH = 2.0  # radii of the rod between a ring and its line at most: two stretches overlap within one radius of it
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
-# so small that a ring around it is seen
 BEGINNING: dict[str, Any] = {"color": colours.INK, "markersize": 2.8, "markeredgewidth": 0, "zorder": 6}
-ARROW, FOOT = 0.6, 0.75  # inches of the arrows of the key at most, and of all of it downwards
+ARROW, FOOT = 0.45, 0.55  # inches of the arrows of the key at most, and of all of it downwards
 BAR, BAR_GAP = 0.3, 0.3  # inches of the bar of colours per point of its words, and between the key and the bar
 VIEWS = "unrolled views"  # the label of their axes
 AROUND = (
@@ -75,6 +73,18 @@ DENSE = 4  # places for each station, so that a rod leaves a line at its edge
 Values = NDArray[np.float64]
 
 
+class Crossing(NamedTuple):
+    """A place where a rod passes through itself on the unrolled cylinder, (2,) each [length].
+
+    place: z and distance around. apart: how far its two stretches are apart; NaN where it comes back after a turn.
+    loop: width and height of what is between them along the rod.
+    """
+
+    place: Any
+    apart: Values
+    loop: Values
+
+
 @dataclass(frozen=True, eq=False)
 class UnrolledView:
     """An unrolled view.
@@ -90,7 +100,7 @@ class UnrolledView:
     y: Values
     text: str
     look: Mapping[str, Any]
-    rings: Sequence[Any] = ()
+    rings: Sequence[Crossing] = ()
     name: str = ""
     over: Sequence[tuple[Any, Any, Mapping[str, Any], str]] = ()
     band: tuple[float, float] | None = None
@@ -134,7 +144,7 @@ def view_of(
         return UnrolledView(z, y, text, look, rings or [], name), rings is None
     low = 0.0 if y[-1] >= 0 else -turn * (1 - STRAIGHT)  # s = 0 is at the edge that the rod leaves from
     (z, y, look, name), *over = on_one_turn(z, y, look, name or text.partition("\n")[0], low, turn)
-    placed = [((x, low + (across - low) % turn), apart) for (x, across), apart in rings or []]
+    placed = [ring._replace(place=(ring.place[0], low + (ring.place[1] - low) % turn)) for ring in rings or []]
     return UnrolledView(z, y, text, look, placed, name, over), rings is None
 
 
@@ -220,19 +230,18 @@ def _look(rod: DrawnRod, norm: Normalize | None) -> dict[str, Any]:
 
 
 def _draw_key(ax: Axes, form: Arrangement, place: Any, unit: str) -> None:
-    """Two arrows, to the right and down, of round lengths, which stand beside their names."""
+    """Two arrows, to the right and down, of round lengths: with one number where they have one scale."""
     left, top = place[0], place[1] + WORDS * fonts.small()
     scales = form.scale, form.scale * form.factor
     lengths = [round_below(ARROW / scale) for scale in scales]
     look: Any = {"textcoords": "offset points", "size": fonts.small(), "color": colours.SOFT, "annotation_clip": False}
     right, down = (length * scale for length, scale in zip(lengths, scales, strict=True))
-    words = [f"{name}: {labels.number(length)} {unit}" for name, length in zip(("z", "around"), lengths, strict=True)]
-    for tip, text, at, offset, vertical in (
-        ((left + right, top), words[0], (left, top), (0, 3), "bottom"),
-        ((left, top + down), words[1], (left, top + down / 2), (4, 0), "center"),
-    ):
+    along, around = (f"{labels.number(length)} {unit}" for length in lengths)
+    above, beside, below = (along, "z", "around") if form.factor == 1 else (f"z: {along}", "", f"around: {around}")
+    ax.annotate(above, (left, top), (0, 3), va="bottom", **look)
+    for tip, text in (((left + right, top), beside), ((left, top + down), below)):
         canvas.draw_arrow(ax, (left, top), tip, colour=colours.SOFT, width=0.8, mutation_scale=6)
-        ax.annotate(text, at, offset, va=vertical, **look)
+        ax.annotate(text, tip, (4, 0), va="center", **look)
 
 
 def stretch(wide: float, tall: float, room: tuple[float, float]) -> float:
@@ -355,7 +364,7 @@ class UnrolledPanel:
         ax.set_label(VIEWS)
         ax.set_xlabel(f"z [{self.unit}]")
         ax.set_ylabel(f"{fonts.AROUND} [{self.unit}]")
-        rings, said = list[Any](), list[str]()
+        rings, places, sizes, said = list[Crossing](), list[Any](), list[float](), list[str]()
         words = max(words_size(view.text, small)[1] for view in self.views)
         text: dict[str, Any] = {"size": small, "linespacing": 1.1, "annotation_clip": False}
         for view, (left, top, _, high) in zip(self.views, form.places, strict=False):
@@ -377,12 +386,15 @@ class UnrolledPanel:
             for x, y, look, name in view.over:
                 said += _draw_line(ax, x, y, look, name, where, form.scale)
             _draw_edges(ax, view.edges, to_page)
-            rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
-        tight = TIGHT * any(not apart.any() for _, apart in rings)
-        turned = TURNED * any(np.isnan(apart).any() for _, apart in rings)
+            rings += view.rings
+            for ring in view.rings:
+                apart, loop = (form.scale * of * [1, form.factor] for of in (np.nan_to_num(ring.apart), ring.loop))
+                places.append(to_page.transform(ring.place))
+                sizes.append(crossing_rings.around(float(np.linalg.norm(apart)), float(loop.max())))
+        tight = TIGHT * any(not ring.apart.any() for ring in rings)
+        turned = TURNED * any(np.isnan(ring.apart).any() for ring in rings)
         if rings:
-            sizes = [72 * float(np.linalg.norm(np.nan_to_num(apart))) + RING for _, apart in rings]
-            crossing_rings.draw(ax, [place for place, _ in rings], sizes, THROUGH)
+            crossing_rings.draw(ax, places, sizes, THROUGH)
         for artist in (*ax.lines, *ax.collections):
             artist.set_clip_on(False)
         left, top, wide, _ = form.places[len(self.views)]
@@ -440,19 +452,20 @@ def lines_of(
 
 
 def _with_rings(
-    views: Sequence[UnrolledView], rings: Sequence[Any], low: float, turn: float, reach: float
+    views: Sequence[UnrolledView], rings: Sequence[Crossing], low: float, turn: float, reach: float
 ) -> list[UnrolledView]:
     """The lines of one rod with rings, each on the line that passes its place nearest, and within reach.
 
     rings: as of `crossings` of the whole rod, of which lines may show only pieces. low, turn: as of `on_one_turn`.
     """
-    on_lines: list[list[Any]] = [[] for _ in views]
+    on_lines: list[list[Crossing]] = [[] for _ in views]
     points = [np.hstack([(view.x, view.y), *((x, y) for x, y, _, _ in view.over)]) for view in views]
-    for (along, across), apart in rings:
+    for ring in rings:
+        along, across = ring.place
         place = np.array([along, low + (across - low) % turn if np.isfinite(turn) else across])
         away = [np.linalg.norm(line - place[:, None], axis=0).min() for line in points]
         if min(away) < reach:
-            on_lines[int(np.argmin(away))].append((place, apart))
+            on_lines[int(np.argmin(away))].append(ring._replace(place=place))
     return [replace(view, rings=rings) for view, rings in zip(views, on_lines, strict=True)]
 
 
@@ -532,23 +545,25 @@ def edges_of(rod: DrawnRod) -> list[tuple[Values, Values]]:
     return [*zip((points[before] + points[after]) / 2, points[after] - points[before], strict=True)]
 
 
-def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> list[tuple[Any, Any]] | None:
-    """Where a rod passes through itself on the unrolled cylinder: z and distance around, and how far its two stretches
-    are apart there, (2,) each; two places where it comes back after a turn, NaN apart. None for a rod that is too long.
+def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> list[Crossing] | None:
+    """Where a rod passes through itself: two places where it comes back after a turn, else one between its stretches.
+    None for a rod that is too long.
 
     radius: the distance from the axis, so that stretches that cross one over the other off the wall are none.
     """
     pairs = solid_body.places(s, frames.position(radius, alpha, z), a)
     if pairs is None:
         return None
-    rings: list[tuple[Any, Any]] = []
+    rings: list[Crossing] = []
+    line = np.stack([z, rho * (alpha - alpha[0])], axis=1)
     for pair in pairs:
-        places = np.array([np.interp(pair, s, values) for values in (z, rho * (alpha - alpha[0]))]).T
+        places = np.array([np.interp(pair, s, values) for values in line.T]).T
+        loop = np.ptp(np.vstack([places, line[(s > pair[0]) & (s < pair[1])]]), axis=0)
         near = np.linalg.norm(places[1] - places[0]) < NEAR * a
         rings += (
-            [(places.mean(axis=0), places[1] - places[0])]
+            [Crossing(places.mean(axis=0), places[1] - places[0], loop)]
             if near
-            else [(place, np.full(2, np.nan)) for place in places]
+            else [Crossing(place, np.full(2, np.nan), loop) for place in places]
         )
     return rings
 

@@ -5,6 +5,7 @@ Rods on their cylinder are drawn by Matplotlib alone: shaded faces, the farthest
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
@@ -44,13 +45,13 @@ WIDE = (
         (4.6, 2.87, 1.9, 0.08),
     ),
 )
-NARROW = 5.63, ((0.0, 4.03, 1.3, 1.45), (0.02, 2.33, 3.46, 1.55), (1.85, 4.41, 1.45, 0.8), (1.5, 0.2, 1.95, 0.58),
-                (1.95, 2.14, 1.2, 0.05))  # fmt: skip
-# the letters of the panels in one column or two, as one reads them, and their left and upper edges
-LETTERS = {
-    False: ("abcd", ((0.05, 5.45), (1.9, 5.45), (0.05, 2.2), (2.5, 2.2))),
-    True: ("acbd", ((0.03, 5.61), (0.03, 4.03), (1.35, 5.61), (0.03, 1.6))),
-}
+NARROW = 5.6, ((0.0, 3.85, 1.25, 1.6), (1.25, 3.85, 2.2, 1.55), (0.55, 2.17, 2.8, 0.85), (1.5, 0.2, 1.95, 0.58),
+               (2.15, 3.63, 1.2, 0.05))  # fmt: skip
+# the left and upper edges of the letters of the panels in two columns or one
+LETTERS = (
+    ((0.05, 5.45), (1.9, 5.45), (0.05, 2.2), (2.5, 2.2)),
+    ((0.03, 5.57), (1.25, 5.57), (0.03, 3.17), (0.03, 1.62)),
+)
 MARKS: dict[str, dict[str, Any]] = {
     HOLDS: {"marker": "o"},
     TREND: {"marker": "o", "fillstyle": "bottom"},
@@ -117,9 +118,9 @@ def figure(datasets: Mapping[str, StoredStudy], page: Sheet) -> Figure:
             "The claims of the paper under each reading of Table 1: these differ in the twist, the sign of F₃₀ and the "
             f"stiffness. {STIFFNESSES_SAID}",
         ]
-        for text, (x, y) in zip(*LETTERS[page.narrow], strict=True):
-            fig.text(x * share / page.width, y / height, text, weight="bold", size=fonts.large(), va="top")
-        captions = sorted(zip(LETTERS[page.narrow][0], sentences, strict=True))
+        for letter, (x, y) in zip(ascii_lowercase, LETTERS[page.narrow], strict=False):
+            fig.text(x * share / page.width, y / height, letter, weight="bold", size=fonts.large(), va="top")
+        captions = zip(ascii_lowercase, sentences, strict=False)
         canvas.add_to_caption(fig, [f"({letter}) {text}" for letter, text in captions])
 
     return canvas.figure((page.width, height), draw, layout=None, sheet=page)
@@ -202,7 +203,7 @@ def law(stored: StoredStudy, ax: Axes) -> str:
     (verdict, *_) = stored.verdicts
     line = stored.law_line(verdict)
     trend(line, ax)
-    title = law_panel.title_of(line, fonts.inches(ax)[0], fonts.small())
+    (title,) = law_panel.titles([line], fonts.inches(ax)[0], fonts.small())
     colour = colours.VERDICTS[verdict["verdict"]]
     ax.set_title(fonts.wrap(title, ax, fonts.small()), loc="left", size=fonts.small(), color=colour, pad=3)
     canvas.add_legend(ax, loc="upper right", borderpad=0.0, handlelength=1.3)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..figures import bifurcation, canvas
+from ..figures import bifurcation, canvas, legend_room
 from ..figures.print_heights import TALLEST
 from ..figures.sheet import Sheet
 from ..stored.stored_study import StoredStudy
@@ -85,7 +85,7 @@ def _draw(fig: Figure, stored: StoredStudy, shown: Sequence[int], picture: Page)
     drawn = ax.get_tightbbox()
     assert drawn is not None
     inset = LEFT + max(canvas.MARGIN - drawn.x0 / fig.dpi, 0.0)
-    columns, _ = canvas.legend_columns(names, wide - inset - RIGHT, most=1)
+    columns, _ = legend_room.legend_columns(names, wide - inset - RIGHT, most=1)
     high += ROW * -(-len(names) // columns)
     fig.set_figheight(high)
     ax.set_position((inset / wide, 1 - (canvas.TITLE + DIAGRAM) / high, 1 - (inset + RIGHT) / wide, DIAGRAM / high))

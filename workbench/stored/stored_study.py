@@ -23,6 +23,7 @@ from solver.problem.quantities import current
 from solver.problem.shown import Picture
 from studies.laws.line_verdicts import MONOTONE
 
+from ..words import labels
 from . import derived_arrays, refined, stored_verdicts
 from .chosen_cases import Value, indices
 from .derived_arrays import ARRAYS, StoredArrays
@@ -278,6 +279,7 @@ class StoredStudy(StoredCases):
             "solved": self.ds["solved"].transpose(..., axis).isel(on).isel(others).values,
             "lines": lines.values.reshape(-1, len(places))[: 0 if lines.ndim == 1 or self.stand_alone else None],
             "held": self.equations(others),
+            "elsewhere": f"other {', '.join(labels.axis_symbol(name) for name in others if name in lines.dims)}",
             "broken": np.arange(1, len(places)) if self.stand_alone else broken,
             "fold": float(self.ds["fold"]) if is_followed else None,
             "alone": self.stand_alone,
