@@ -15,7 +15,7 @@ from tests.workbench.page_faults import faults, largest_empty, picture
 from tests.workbench.pictures import share_of_ink
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import as_dataset
-from workbench.figures import bars, equilibria_figure, figure_kinds
+from workbench.figures import bars, canvas, equilibria_figure, figure_kinds, unrolled
 from workbench.figures.sheet import sheet
 from workbench.influence.derivatives import local
 from workbench.lab import measured_runs, robustness, trade_figure
@@ -69,6 +69,34 @@ def test_the_title_of_a_law_is_one_line(name: str) -> None:
     titles = [title for ax in fig.axes if (title := ax.get_title(loc="left"))]
     assert titles
     assert not any("\n" in title for title in titles)
+
+
+@pytest.mark.parametrize("page", SHEETS)
+def test_the_titles_of_a_picture_all_name_their_claims_and_their_letters_stand_on_the_first_line(page: str) -> None:
+    for name, claim in (("fig7_3_start_angle", "(3)"), ("fig7_4_end_angle", "(4)")):
+        fig = figure_kinds.figure(StoredStudy(small.study_dataset(name)), "lines", SHEETS[page])
+        titles = [ax for ax in fig.axes if ax.get_title(loc="left")]
+        assert len(titles) == 2
+        assert all(claim in ax.get_title(loc="left") for ax in titles)
+        fig.draw_without_rendering()
+        tops = [ax._left_title.get_window_extent().y1 for ax in titles]  # type: ignore[attr-defined]
+        letters = [text.get_window_extent().y1 for ax in titles for text in ax.texts if text.get_weight() == "bold"]
+        assert page == "screen" or np.abs(np.subtract(letters, tops)).max() < 0.5 * fig.dpi * 8 / 72
+
+
+@pytest.mark.parametrize("name", ["fig7_2_radius", "fig7_3_start_angle", "fig7_5_forces"])
+def test_rods_are_long_enough_in_a_column_and_rings_smaller_than_their_loops(name: str) -> None:
+    stored = StoredStudy(small.study_dataset(name))
+    fig = figure_kinds.figure(stored, "lines", SHEETS["column"])
+    strips = [ax for ax in fig.axes if ax.get_label() == unrolled.VIEWS]
+    assert len(strips) == len(stored.varied)
+    fig.draw_without_rendering()
+    for ax in strips:
+        lines = [line.get_transform().transform(line.get_xydata()) for line in ax.lines if len(line.get_xdata()) > 2]
+        assert 25.4 * max(np.ptp(line, axis=0).max() for line in lines) / fig.dpi > 30  # millimetres
+        (rings,) = (dots for dots in ax.collections if dots.get_gid() == unrolled.THROUGH)
+        assert np.sqrt(rings.get_sizes()).max() < 7  # points: a loop is about 8 mm wide
+    assert sum("of the 9 values" in sentence for sentence in canvas.caption(fig)) == len(strips)
 
 
 @pytest.mark.parametrize("page", SHEETS)

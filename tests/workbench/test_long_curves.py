@@ -52,7 +52,7 @@ def test_a_rod_in_lines_has_a_ring_at_each_place_where_it_passes_through_itself(
     assert sum(len(view.rings) for view in found.views) == len(every)
     for view in found.views:
         line = np.hstack([(view.x, view.y), *((x, y) for x, y, _, _ in view.over)])
-        assert all(np.linalg.norm(line - place[:, None], axis=0).min() < 1.1 * a for place, _ in view.rings)
+        assert all(np.linalg.norm(line - place[:, None], axis=0).min() < 1.1 * a for place, _, _ in view.rings)
 
 
 def test_the_lines_show_all_of_a_rod_each_from_where_the_one_above_ends() -> None:

@@ -95,7 +95,7 @@ def _figure_of(
         left = print_heights.TALLEST - canvas.TITLE * sheet.titled - rows_below * canvas.ROW - unrolled.LEGEND
         strips_high = min(strips_high, max(left / len(chosen.strips) - unrolled.LABELS, unrolled.LEAST_STRIP))
     laws = [line for line in chosen.panels if isinstance(line, LawLine)]
-    across = 1 if sheet.narrow else 3 if count == 3 and not laws else min(count, 2)
+    across = 1 if sheet.narrow or not count else 3 if count == 3 and not laws else min(count, 2)
     law_height = min(LAW_HEIGHT, max(0.35 * width, canvas.PANEL))
     room = width - unrolled.BESIDE - sheet.normal * fonts.LINE, strips_high  # a label may have two lines
     views = {name: unrolled.panel_of(rods, room, sheet.small, coloured=False) for name, rods in rods_along.items()}
@@ -120,7 +120,6 @@ def _figure_of(
         return said
 
     def strip(name: str, ax: Axes) -> canvas.Said:
-        ax.set_label(f"unrolled views along {name}")
         return [*views[name].draw(ax), *rods_along[name].said(), *rods_along[name].notes]
 
     lines: list[canvas.Row] = [(view.height + unrolled.LABELS, [partial(strip, name)]) for name, view in shown.items()]
