@@ -33,7 +33,8 @@ from workbench.web.live import live_document, presets
 
 DPI = 200  # of print
 SWEEP, PAGE = "hero_sweep", "hero_page"
-HERO = composition.Settings(dpi=160, size=(860, 600))  # of the animated picture: as wide to its height as the other
+# of the animated picture: as wide to its height as the other, and from where its turns are seen as such
+HERO = composition.Settings(dpi=160, size=(860, 600), camera="-35,45")
 # there and back: 120 frames; slow near both ends, so that nothing jumps where the loop begins again
 FORCES = [-10.0 - 25.0 * (1 - cos(pi * k / 60)) for k in range(61)]
 OWN = ("inside", "long")  # drawn as `contact`

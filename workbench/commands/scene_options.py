@@ -5,14 +5,15 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from .options import At, ForceOutput, PixelError, flag, number_option, option
+from .options import At, ForceOutput, NoTitle, PixelError, flag, number_option, option
 
 if TYPE_CHECKING:
     from ..scene.settings import Settings
 
 
 FLAGS = {"low": "--from", "high": "--to"}  # of options that are not written as they are named
-OF_PICTURE = ("low", "high", "camera", "color_range", "bare", "transparent", "size")  # not of pages, nor of branches
+# not of pages, nor of branches
+OF_PICTURE = ("low", "high", "camera", "color_range", "no_title", "bare", "transparent", "size")
 OF_FILM = ("stored", "show", "fps", "frames")
 
 
@@ -59,6 +60,7 @@ class SceneOptions:
         str | None,
         option("WIDTHxHEIGHT", "Size in pixels; default: as high as what a picture shows, of a film 1280x720."),
     ] = None
+    no_title: NoTitle = False
     bare: Annotated[bool, flag("Draw the views alone: no words, no bars.", "--bare")] = False
     transparent: Annotated[bool, flag("Leave the background transparent (.png).", "--transparent")] = False
     theme: Annotated[
@@ -116,6 +118,7 @@ class SceneOptions:
             span=None if self.low is self.high is None else (self.low or 0.0, inf if self.high is None else self.high),
             camera=self.camera,
             color_range=pair_of(self.color_range, ",", float, "--color-range takes two numbers LOW,HIGH"),
+            titled=not self.no_title,
             bare=self.bare,
             transparent=self.transparent,
             size=pair_of(self.size, "x", int, "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200"),

@@ -253,12 +253,12 @@ def save(fig: Figure, path: str | Path | BytesIO, dpi: float = DPI) -> None:
 def write_title(fig: Figure, title: str, below: str) -> float:
     """Write a title and a line below it at the upper left of a figure; returns the inches that they take."""
     upper_left = fig.dpi_scale_trans + ScaledTranslation(0, 1, fig.transFigure)  # type: ignore[arg-type]
-    used = MARGIN
+    used = MARGIN * bool(title or below)
     for text, size, weight, colour in ((title, fonts.large(), "bold", INK), (below, fonts.normal(), "normal", SOFT)):
         lines = fonts.break_lines(text, fig.get_figwidth() - 2 * MARGIN, size, weight == "bold")
         fig.text(MARGIN, -used, lines, va="top", size=size, weight=weight, color=colour, transform=upper_left)
         used += fonts.height_of(lines, size)
-    return used + AFTER
+    return used + AFTER * bool(used)
 
 
 def _set_title(fig: Figure, below: str, title: str, tallest: float) -> None:

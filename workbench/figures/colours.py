@@ -50,7 +50,7 @@ SURFACE = "#e6e1d8"  # the cylinder: warm, so a pale blue rod stands out from it
 DEPTH = 0.55  # of the shadow on it where nothing of the light from all around arrives
 REACH = 6.0  # radii of the rod, beyond which its shadow is not computed
 OUTLINE = SOFT  # of a hidden stretch
-HIDDEN_LINE = 0.8  # its opacity
+HIDDEN_LINE, EDGE_LINE = 0.8, 0.7  # its opacity; that of the outline of a stretch in sight
 HIDDEN_SHADE = 0.06  # by which the cylinder is darker there
 
 # share of the strongest push (1) or pull (-1) -> red, green, blue between 0 and 255, which are interpolated between two

@@ -130,7 +130,7 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
         legend.append((signs.FORCE, "a point force of the wall" + CUT * _hides(scene, signs.FORCE)))
     warnings = impossible(scene.bodies, bool(ringed)) if scene.kind.cells != "together" else []
     if len(scene.context) > len(scene.bodies) and any(impossible([body], bool(ringed)) for body in scene.context):
-        warnings = warnings or ["\N{ZERO WIDTH SPACE}"]  # the views of the pictures along an axis stand at one place
+        warnings = warnings or [page.EMPTY_LINE]  # the views of the pictures along an axis stand at one place
     return legend, [*scene.seen_along, *scene.notes, *warnings]
 
 
@@ -228,9 +228,12 @@ def colour_rods(scene: Scene) -> tuple[Scene, list[str]]:
 
 
 def _check_width(scene: Scene, camera: Camera) -> None:
+    """Raise `InputError` where nothing of a rod would be seen: it is long, or the words leave no room."""
     for body in scene.bodies[:1]:
         wide, ends = 2 * body.reach * camera.per_unit, scene.rows[0][0].cylinder
         if wide < long_rod.THINNEST * (1 - 1e-6) and not scene.pitch:
+            if not long_rod.is_long(scene.bodies):
+                check_room((0.0, 0.0), scene.page_size, scene.settings.dpi)
             raise InputError(
                 f"a cylinder {2 * body.reach:.3g} wide and {np.ptp(ends):.4g} long is {wide:.2g} pixels wide in the "
                 "picture: draw a shorter part with --from and --to, or draw one case, which is set in lines"
@@ -314,10 +317,9 @@ def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str, st
 def _marks_of_ends(scene: Scene, view: View, scale: float) -> Iterator[tuple[Array, str]]:
     """A line from where the only rod of a scene begins, in a cylinder that lies on the page, to its words below the
     wall, (2, 3) as it is turned; of a rod with weight which end is the top. scale: inches per length."""
-    page, alone = scene.camera.page, [body for each in scene.views for body in each.bodies]
-    if len(scene.views) > 1 or len(alone) != 1 or abs(page[0, 2]) <= abs(page[1, 2]) or alone[0].side != "inside":
+    if not scene.has_named_ends:
         return
-    (body,) = alone
+    page, (body,) = scene.camera.page, scene.bodies
     down = -page[1] * [1, 1, 0] / np.linalg.norm(page[1, :2])
     slope = 0.0 if scene.camera.down is None else float(scene.camera.down[2])
     names = ("bottom", "top")[:: 1 if slope < 0 else -1] if abs(slope) > FLAT else ("", "")

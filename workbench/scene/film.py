@@ -44,7 +44,6 @@ WARNED = 0.62  # from the top: what a real rod could not do
 DIAGRAM = (3.0, 1.5)  # the width of a diagram beside the rod, its height below it
 DIAGRAM_LABEL = "diagram"  # of its axes
 SAMPLES = 2  # along each side of a pixel: a frame is seen for an instant
-FILMED = 8.0  # diameters of the cylinder, to which a long rod is compressed: at 24 a hole is 7 % of a frame high
 FPS, HOLD = 24.0, 0.5  # frames a second; seconds for which the first and the last stay
 QUALITY = 80  # of WebP
 TITLES = (fonts.LARGE, fonts.NORMAL, fonts.SMALL)  # sizes of the value of a frame: the first that has room
@@ -174,7 +173,7 @@ def frames(
     kind, cases, chosen = scene_kinds.kind_of(film.kind), cases_of(stored, film), film.settings
     each = [rods.of_case(stored, where, kind, chosen.span)[0] for where in cases]
     down = gravity(stored, {name: i for name, i in cases[0].items() if name != film.axis})
-    context = layout.in_view([body for body in each if body], down, chosen, FILMED)
+    context = layout.in_view([body for body in each if body], down, chosen)
     if not context:
         raise InputError(f"no case along {film.axis} has a shape: there is nothing to show")
     fitted = iter(context)

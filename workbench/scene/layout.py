@@ -288,10 +288,10 @@ def _row(
     chosen.sort(key=lambda where: where[names[0]])
     moved = sum(where not in chosen for where in spread)
     rows, cameras = _cells(stored, kind, names, [chosen], settings)
-    shown = [labels.axis_label(stored[name]) for name in names if name not in scene_kinds.UNNAMED]
+    heading = [labels.axis_label(stored[name]) for name in names if name not in scene_kinds.UNNAMED]
     notes = [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
-    scene = _several(stored, kind, names, rows, cameras[0], settings, chosen[0], shown, notes)
-    scene = replace(scene, caption=[*kind.caption, *_counts(names, [len(chosen)], [len(line)])])
+    scene = _several(stored, kind, names, rows, cameras[0], settings, chosen[0], notes)
+    scene = replace(scene, columns=heading, caption=[*kind.caption, *_counts(names, [len(chosen)], [len(line)])])
     room = room_of(scene)
     scenes = [replace(scene, rows=in_rows(rows[0], camera, room), camera=camera) for camera in cameras]
     return compose_larger(scenes, room)
@@ -308,7 +308,7 @@ def _table(
         cases = [[{**case, names[1]: row[names[1]]} for case in across] for row in down]
         rows, cameras = _cells(stored, kind, [], cases, settings)
         camera = cameras[k % len(cameras)]
-        scene = _several(stored, kind, names, rows, camera, settings, cases[0][0], [], [])
+        scene = _several(stored, kind, names, rows, camera, settings, cases[0][0], [])
         counts = _counts(names, (len(across), len(down)), [len(line) for line in lines])
         columns, heads = (scene_kinds.headings(stored, *of) for of in zip(names, (across, down), strict=True))
         scenes.append(replace(scene, columns=columns, heads=heads, caption=counts))
@@ -375,23 +375,21 @@ def _profile(bodies: Sequence[Body]) -> float | None:
 
 def _several(
     stored: StoredStudy, kind: SceneKind, names: list[str], rows: list[list[View]], camera: Camera, settings: Settings,
-    first: Where, shown: list[str], notes: list[str],
+    first: Where, notes: list[str],
 ) -> Scene:  # fmt: skip
     """The scene of cases side by side."""
     bodies = [body for row in rows for view in row for body in view.bodies]
     held = {name: i for name, i in first.items() if name not in names}
-    words = [*shown, *scene_kinds.values(stored, held), str(stored.attrs.get(scene_kinds.CASE, ""))]
+    words = [*scene_kinds.values(stored, held), str(stored.attrs.get(scene_kinds.CASE, ""))]
     case = ", ".join(word for word in words if word)
     notes = [*long_rod.notes_on(bodies, stored.units["length"]), *notes, *kind.notes]
     return Scene(stored, kind, rows, bodies, case, camera, settings, notes)
 
 
-def in_view(
-    bodies: Sequence[Body], down: Array | None, settings: Settings, diameters: float = long_rod.SQUEEZED
-) -> list[Body]:
-    """Rods as one view shows them, of so many diameters of the cylinder; the part that is asked for whole."""
+def in_view(bodies: Sequence[Body], down: Array | None, settings: Settings) -> list[Body]:
+    """Rods as one view shows them; the part that is asked for whole."""
     if settings.is_end_view:
         return list(bodies)
     if settings.span:
-        return long_rod.compress(bodies, diameters)
-    return long_rod.in_view(bodies, down, diameters)
+        return long_rod.compress(bodies)
+    return long_rod.in_view(bodies, down)

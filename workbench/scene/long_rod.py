@@ -12,7 +12,7 @@ from ..words import labels
 from .body import Body, part_in_view
 
 PITCH = lines.PITCH
-SQUEEZED = 24.0  # diameters of the cylinder, to which a long rod is compressed along the axis
+SQUEEZED = 10.0  # diameters of the cylinder, to which a long rod is compressed: at 24 it is 7 % of a frame high
 WORTH = 0.5  # a rod that is compressed less than to so much of its length is not compressed
 TIGHTEST = 0.5  # of its own radius: the curvature of a bend as it is drawn
 THINNEST = 4.0  # width of a cylinder in pixels; below, nothing of its rod is seen
@@ -29,24 +29,24 @@ def is_long(bodies: Sequence[Body]) -> bool:
     return any(lines.is_long(float(np.ptp(body.z)), body.reach) for body in bodies)
 
 
-def squeeze_of(bodies: Sequence[Body], diameters: float = SQUEEZED) -> float:
-    """The factor of the heights of rods that are compressed along the axis to so many diameters of the cylinder, or so
-    little that their bends stay round."""
-    fits = min(diameters * 2 * body.reach / float(np.ptp(body.z)) for body in bodies)
+def squeeze_of(bodies: Sequence[Body]) -> float:
+    """The factor of the heights of rods that are compressed to `SQUEEZED` diameters of the cylinder, or so little that
+    their bends stay round."""
+    fits = min(SQUEEZED * 2 * body.reach / float(np.ptp(body.z)) for body in bodies)
     bends = max(float(np.sqrt(body.a * body.line.kappa(body.line.s).max() / TIGHTEST)) for body in bodies)
     return min(max(fits, bends), 1.0)
 
 
-def compress(bodies: Sequence[Body], diameters: float = SQUEEZED) -> list[Body]:
+def compress(bodies: Sequence[Body]) -> list[Body]:
     """The rods, all compressed along the axis where one of them is long, and their bends allow it."""
-    factor = squeeze_of(bodies, diameters) if is_long(bodies) else 1.0
+    factor = squeeze_of(bodies) if is_long(bodies) else 1.0
     return [replace(body, squeeze=factor if factor <= WORTH else 1.0) for body in bodies]
 
 
-def in_view(bodies: Sequence[Body], down: Array | None, diameters: float = SQUEEZED) -> list[Body]:
+def in_view(bodies: Sequence[Body], down: Array | None) -> list[Body]:
     """The compressed rods, and of those that are long even so the beginning, or where that is higher, the last part."""
     last = down is not None and bool(down[2] > UPRIGHT)
-    return [part_in_view(body, last) for body in compress(bodies, diameters)]
+    return [part_in_view(body, last) for body in compress(bodies)]
 
 
 def notes_on(bodies: Sequence[Body], unit: str) -> list[str]:

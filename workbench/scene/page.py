@@ -31,7 +31,7 @@ from . import signs, true_scale
 from .body import Body
 from .scene_kinds import Cell, Paint, SceneKind
 from .settings import Settings
-from .views import EDGE, Camera, View
+from .views import EDGE, Camera, View, lies
 
 Pixels = NDArray[np.uint8]
 
@@ -39,12 +39,14 @@ WIDE, LOW, TALL = 7.2, 5.5, print_heights.TALLEST  # inches of a page as a journ
 A_ROW = 9  # rods; with more a page may be tall
 LEAST = 0.3  # the least height of the views
 HEAD = 0.17  # the height of a line of headings
-FOOT, APART = 0.57, 0.22  # the height of glyph and bars below the views, and the gap after each
-BARS, ABOVE_WORDS = 0.24, 0.06  # from the middle of the bars to their lower edge, and from there to the line of words
+FOOT, APART = 0.59, 0.22  # the height of glyph and bars below the views, and the gap after each
+NAMED = 0.1  # more where words below the wall name the ends of a rod
+BARS, ABOVE_WORDS = 0.26, 0.06  # from the middle of the bars to their lower edge, and from there to the line of words
 WEIGHT, BAR = 0.66, 1.6  # widths: the arrow of the weight, the colour bar
 BESIDE_BARS = 3  # entries of the legend one below the other that have room beside the bars
 QUALITY = 92  # of JPEG
 WHITE = colours.THEMES["light"][0]
+EMPTY_LINE = "\N{ZERO WIDTH SPACE}"  # in place of a note: room for one
 RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size of level 3 in two thirds of the time
 
 
@@ -77,7 +79,8 @@ class Scene:
     notes, caption
         What the picture has to say of itself, as much of it as stands on one line; sentences for the caption alone.
     columns, heads
-        Headings of columns and of rows: the quantity, then the values; the quantity may be empty. Default: none.
+        Headings of columns and of rows: the quantity, then the values, if these do not stand in the cells; the quantity
+        may be empty. Default: none.
     pitch, edge
         As of `views.arrange`.
     ringed
@@ -109,6 +112,12 @@ class Scene:
     paint: Paint = field(default_factory=Paint)
 
     @property
+    def said(self) -> list[str]:
+        """The case, and how its wall is drawn."""
+        inside = str(self.stored.attrs["side"]) == "inside"
+        return [*filter(None, [self.case]), *["the near half of the wall is cut away"] * inside]
+
+    @property
     def bodies(self) -> list[Body]:
         return [body for view in self.views for body in view.bodies]
 
@@ -133,7 +142,7 @@ class Scene:
         """The room of the headings: to the left of the views, and above them."""
         left = max((fonts.width_of(head, fonts.NORMAL) for head in self.heads[1:]), default=0.0) + 0.08
         left += 1.5 * HEAD * bool(self.heads and self.heads[0])
-        return (left if self.heads else 0.0), (2 * HEAD if self.columns else 0.0)
+        return (left if self.heads else 0.0), HEAD * min(len(self.columns), 2)
 
     @property
     def bars(self) -> dict[str, float]:
@@ -155,6 +164,12 @@ class Scene:
     def has_true_scale(self) -> bool:
         """Whether what its compressed axis hides is drawn below the view."""
         return true_scale.is_needed(self.views)
+
+    @property
+    def has_named_ends(self) -> bool:
+        """Whether words below the wall name the ends of the only rod, in a cylinder that lies on the page."""
+        inside = [body.side == "inside" for body in self.bodies]
+        return len(self.views) == 1 and inside == [True] and lies(self.camera)
 
     @property
     def start_of_legend(self) -> float:
@@ -199,16 +214,20 @@ class Page:
         self.has_true_scale = not bare and scene.has_true_scale
         self.bare, self.head = bare, (0.0, 0.0) if bare else scene.beside
         self.line, self.more = one_line(list(dict.fromkeys(notes)), size[0] - 2 * canvas.MARGIN)
+        if not scene.settings.titled:
+            self.line, self.more = "", [note for note in notes if note != EMPTY_LINE]
         self.high_line = fonts.height_of(self.line, fonts.SMALL) + ABOVE_WORDS * bool(self.line)
-        self.foot = 0.0 if bare else FOOT + true_scale.HIGH * self.has_true_scale + self.high_line
-        open_wall = "the near half of the wall is cut away" if str(scene.stored.attrs["side"]) == "inside" else ""
-        titled, layout = (None, None) if bare else (scene.stored, "constrained")
-        said = " · ".join(fact for fact in (scene.case, open_wall) if fact)
+        self.foot = (
+            0.0
+            if bare
+            else FOOT + NAMED * scene.has_named_ends + true_scale.HIGH * self.has_true_scale + self.high_line
+        )
+        titled, layout = scene.stored if scene.settings.titled and not bare else None, None if bare else "constrained"
         room = size[0] - 2 * canvas.MARGIN - scene.start_of_legend
-        self.columns_beside = min(int(room / max(width_of_legend(legend), 1e-9)), len(legend))
+        self.columns_beside = min(int((room + GAP) / max(width_of_legend(legend), 1e-9)), len(legend))
         if len(legend) > BESIDE_BARS * self.columns_beside:
             self.columns_beside = 0
-        self.fig = canvas.figure(size, self._begin, titled, scene.settings.dpi, layout, said=said)
+        self.fig = canvas.figure(size, self._begin, titled, scene.settings.dpi, layout, said=" · ".join(scene.said))
         self.left = size[1] if bare else print_heights.resize(self.fig, size)
         if scene.settings.transparent:
             self.fig.patch.set_alpha(0.0)
@@ -219,7 +238,8 @@ class Page:
         self.ax.axis("off")
         if not self.bare:
             below = [] if self.columns_beside else [signs.legend_sign(*entry) for entry in self.legend]
-            sentences = [f"{text[:1].upper()}{text[1:].rstrip('.')}." for text in self.more]
+            sentences = [f"{fact}." for fact in ([] if self.scene.settings.titled else self.scene.said)]
+            sentences += [f"{text[:1].upper()}{text[1:].rstrip('.')}." for text in self.more]
             facts = [self.scene.stored.left_out, f"{self.scene.stored.reading}." * bool(self.scene.stored.reading)]
             canvas.write_below(fig, [*sentences, *self.scene.caption, *filter(None, facts), *below])
 
@@ -302,7 +322,8 @@ class Page:
         for x, value in zip(middles, columns[1:], strict=False):
             self.ax.text(x, top - 0.05, value, ha="center", va="bottom")
         if columns:
-            self.ax.text((middles[0] + middles[-1]) / 2, top - HEAD - 0.05, columns[0], ha="center", va="bottom")
+            up = HEAD * (len(columns) > 1) + 0.05
+            self.ax.text((middles[0] + middles[-1]) / 2, top - up, columns[0], ha="center", va="bottom")
         lefts, rows = boxes[:, 0, 0], boxes[:, 0, 1] + boxes[:, 0, 3] / 2
         size = fonts.NORMAL if heads and heads[0] else fonts.SMALL
         for left, y, value in zip(lefts, rows, heads[1:], strict=False):
@@ -349,7 +370,7 @@ def draw_rings(
 
 def one_line(texts: Sequence[str], width: float) -> tuple[str, list[str]]:
     """The first texts, as many as stand on one line of so many inches, and the others; a longer first one is broken."""
-    shown = [text for text in texts if text.strip("\N{ZERO WIDTH SPACE}")] or [*texts[:1]]
+    shown = [text for text in texts if text != EMPTY_LINE] or [*texts[:1]]
     count = 1
     while count < len(shown) and fonts.width_of(" · ".join(shown[: count + 1]), fonts.SMALL) <= width:
         count += 1
@@ -365,11 +386,14 @@ def width_of_legend(legend: Sequence[tuple[str, str]]) -> float:
 def least_width(scene: Scene, legend: Sequence[tuple[str, str]], notes: Sequence[str]) -> float:
     """The width of a page on which the title, the first note and the bars with the legend have one line each."""
     beside = scene.start_of_legend + width_of_legend(legend)
-    return 2 * canvas.MARGIN + max(
+    words = [
         fonts.width_of(str(scene.stored.attrs["title"]), fonts.LARGE, bold=True),
         fonts.width_of(scene.case, fonts.NORMAL),
         fonts.width_of(notes[0], fonts.SMALL) if notes else 0.0,
-        min(beside, WIDE - 2 * canvas.MARGIN),
+    ]
+    heading = fonts.width_of(scene.columns[0], fonts.NORMAL) if scene.columns else 0.0
+    return 2 * canvas.MARGIN + max(
+        min(beside, WIDE - 2 * canvas.MARGIN), heading, *words if scene.settings.titled else ()
     )
 
 

@@ -122,13 +122,11 @@ def render(
 
 
 def _draw(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> Drawn | None:
-    """How the hidden stretches are drawn; None where nothing is hidden, too thin for an outline, or in strands."""
-    bodies = [(cell.view, body) for cell in placed for body in cell.view.bodies]
-    thick = max(2 * body.a for _, body in bodies) * camera.per_unit
-    stranded = any(body.paint.strands for _, body in bodies)  # an outline of strands is a tangle
-    if thick < THIN or stranded or not any(view.hides(body, camera) for view, body in bodies):
+    """How outlines are drawn; None of rods too thin for them, or in strands, whose outlines are a tangle."""
+    bodies = [body for cell in placed for body in cell.view.bodies]
+    if max(2 * body.a for body in bodies) * camera.per_unit < THIN or any(body.paint.strands for body in bodies):
         return None
-    a, samples = min(body.a for _, body in bodies), camera.per_unit * block
+    a, samples = min(body.a for body in bodies), camera.per_unit * block
     return Drawn(edge_between(a, samples) / depth, 0.42 * a * samples, max(line * block, 1.0))
 
 
@@ -171,7 +169,7 @@ def _place(
     size: tuple[int, int],
     line: float,
 ) -> list[Any]:
-    """Add the rods and their cylinder, turned about the axis and then moved; returns what hides stretches of them."""
+    """Add the rods and their cylinder, turned about the axis and then moved; returns the parts of this."""
     view = placed.view
     ends, first = view.cylinder, view.bodies[0]
     low, high = view.box(camera)
@@ -200,7 +198,7 @@ def _place(
     if not inside:
         ambient = LOOK["ambient"] if camera.is_end_view else 0.75  # an end that faces the lights would be white
         walls += [add(surfaces.disc(first.R, z, z == ends[1]), specular=0.0, ambient=ambient) for z in ends]
-    return [] if inside else walls
+    return walls
 
 
 def _texture(picture: NDArray[np.uint8]) -> Any:
@@ -212,25 +210,26 @@ def _texture(picture: NDArray[np.uint8]) -> Any:
     return texture
 
 
-def hidden_lines(
+def outlines(
     rods: NDArray[np.float32], everything: NDArray[np.float32], drawn: Drawn
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """The samples on the outline of hidden rods, and all samples of them.
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+    """The samples on the outline of rods in sight, on that of hidden ones, and all samples of hidden ones.
 
     rods, everything: depths of a picture of the rods alone and of the whole picture, (height, width), 1 where nothing
     is.
     """
-    hidden = (rods < 1) & (everything < rods - 1e-4)
-    line, behind = np.zeros_like(hidden), np.zeros_like(hidden)
+    line, dashed, behind = (np.zeros(rods.shape, dtype=bool) for _ in range(3))
     size = int(drawn.sliver) + 1
-    for box in find_objects(hidden.astype(np.uint8)):  # one, or none where nothing is hidden
+    for box in find_objects((rods < 1).astype(np.uint8)):  # one, or none without rods
         part = tuple(slice(max(edge.start - size - 1, 0), edge.stop + size + 1) for edge in box)
         depth = rods[part]
-        behind[part] = _without_slivers(hidden[part], drawn.sliver / 2) & (depth < 1)
         deepest = np.maximum(*(maximum_filter1d(depth, 3, axis=axis) for axis in (0, 1)))
-        edges = behind[part] & (deepest - depth > drawn.edge)  # a background, which has depth 1, is deeper too
-        line[part] = maximum_filter(edges, max(round(drawn.line), 1)) & behind[part]
-    return line, behind
+        edges = deepest - depth > drawn.edge  # a background, which has depth 1, is deeper too
+        hidden = (depth < 1) & (everything[part] < depth - 1e-4)
+        behind[part] = _without_slivers(hidden, drawn.sliver / 2) & (depth < 1)
+        for seen, into in ((depth < 1) & ~hidden, line), (behind[part], dashed):
+            into[part] = maximum_filter(edges & seen, max(round(drawn.line), 1)) & seen
+    return line, dashed, behind
 
 
 def _without_slivers(mask: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
@@ -239,9 +238,11 @@ def _without_slivers(mask: NDArray[np.bool_], radius: float) -> NDArray[np.bool_
     return mask & (distance_transform_edt(~middles) <= 1.5 * radius) if middles.any() else middles
 
 
-def _draw_hidden(pixels: NDArray[np.float32], line: NDArray[np.float32], behind: NDArray[np.float32]) -> None:
-    """Draw hidden stretches; line, behind: the share of each pixel on the outline and behind the wall."""
-    share = colours.HIDDEN_LINE * line[..., None]
+def _draw_outlines(
+    pixels: NDArray[np.float32], line: NDArray[np.float32], dashed: NDArray[np.float32], behind: NDArray[np.float32]
+) -> None:
+    """Draw what `outlines` returns; each is the share of a pixel, (height, width)."""
+    share = (colours.EDGE_LINE * line + colours.HIDDEN_LINE * dashed)[..., None]
     pixels *= (1 - colours.HIDDEN_SHADE * behind[..., None]) * (1 - share)
     pixels += np.float32(255) * np.array(to_rgb(colours.OUTLINE), dtype=np.float32) * share
 
@@ -258,7 +259,7 @@ def _mean(
     wide, high = window.GetSize()
     sums = np.zeros((high // block, wide // block, 3), dtype=np.uint16)
     covered = np.zeros_like(sums[..., :1])
-    line, behind = np.zeros((2, *sums.shape[:2]), dtype=np.uint8)
+    lines = np.zeros((3, *sums.shape[:2]), dtype=np.uint8)
 
     def add(values: NDArray[Any], into: NDArray[Any]) -> None:
         for i, j in np.ndindex(block, block):
@@ -270,8 +271,8 @@ def _mean(
         plotter.camera.SetWindowCenter(2 * right / wide, 2 * up / high)
         if k == 0 and drawn:
             rods = _render_walls_last(plotter, walls)
-            for hidden, into in zip(hidden_lines(rods, _depths(window), drawn), (line, behind), strict=True):
-                add(hidden, into)
+            for part, into in zip(outlines(rods, _depths(window), drawn), lines, strict=True):
+                add(part, into)
         else:
             window.Render()
         shades = pv.convert_array(np.zeros(1, dtype=np.uint8))
@@ -282,12 +283,12 @@ def _mean(
     count = len(moves) * block**2
     pixels = sums * np.float32(1 / count)
     if drawn:
-        _draw_hidden(pixels, *((total / block**2).astype(np.float32) for total in (line, behind)))
+        _draw_outlines(pixels, *(lines / block**2).astype(np.float32))
     if transparent:  # what is seen beside white in a pixel
         share = np.maximum(covered, 1) / count
         pixels = np.where(covered > 0, (pixels - 255 * (1 - share)) / share, 255)
         pixels = np.concatenate([pixels, np.rint(covered * (255 / count))], axis=-1)
-    return (np.clip(pixels, 0, 255) + np.float32(0.5)).astype(np.uint8)[::-1], bool(line.any())
+    return (np.clip(pixels, 0, 255) + np.float32(0.5)).astype(np.uint8)[::-1], bool(lines[1].any())
 
 
 def _depths(window: Any) -> NDArray[np.float32]:

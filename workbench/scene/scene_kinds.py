@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from matplotlib.colors import Colormap, to_hex
+from matplotlib.colors import Colormap
 
 from solver.problem.errors import InputError, check_known
 from studies.grammar.axes import SAMPLE
@@ -19,8 +19,7 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels, unit_habits
 
 PUSH_RAMP = colours.push_ramp()
-# a rod without push, whose colour is between that of the least push and that of the least pull
-OFF_WALL = to_hex(np.mean([PUSH_RAMP(0.4999), PUSH_RAMP(0.5001)], axis=0))
+OFF_WALL = colours.LIGHTEST  # a rod without push
 
 Extremes = tuple[float, float] | None  # the least and the largest value of all rods; None without rods
 
@@ -56,10 +55,11 @@ def by_push(units: dict[str, str], extremes: Extremes) -> Paint:
 
 
 def by_curvature(units: dict[str, str], extremes: Extremes) -> Paint:
-    """By the curvature, one scale for all rods; one colour where it is the same everywhere."""
+    """By the curvature, one scale for all rods; where it hardly varies, from 0, so that this is seen."""
     low, high = extremes or (0.0, 0.0)
-    if high - low <= 1e-9 * high:
+    if high == 0:
         return Paint()
+    low *= low < colours.UNIFORM * high
     unit = labels.unit(unit_habits.unit_shown("kappa_max", units))
     return Paint(ramp=colours.ramp(), low=low, high=high, label=f"curvature κ [{unit}]")
 
@@ -88,8 +88,8 @@ class Cell:
 
     Attributes
     ----------
-    caption
-        Below it.
+    caption, line
+        Below it; the same in one line, below views that are wide; default: the caption.
     why_empty
         Why there is no rod.
     number, stable
@@ -97,6 +97,7 @@ class Cell:
     """
 
     caption: str = ""
+    line: str = ""
     why_empty: str = ""
     number: int | None = None
     stable: bool = False
@@ -114,8 +115,9 @@ def equilibrium(stored: StoredStudy, names: list[str], where: dict[str, int]) ->
     case = stored.select(where)
     index = int(case["index"])
     words = "stable\n" if index == 0 else f"unstable\nin {index} way{'s' * (index > 1)}"
-    energies = labels.values_alike(stored["energy"], stored["energy"].values)
-    return Cell(f"{words}\n{energies[where['equilibrium']]}", number=int(case["equilibrium"]), stable=index == 0)
+    energy = labels.values_alike(stored["energy"], stored["energy"].values)[where["equilibrium"]]
+    line = f"{' '.join(words.split())}, {energy}"
+    return Cell(f"{words}\n{energy}", line, number=int(case["equilibrium"]), stable=index == 0)
 
 
 RELEASED = "let_go"  # the dimension of a rod that the cylinder holds on, and of the same rod let go

@@ -36,6 +36,8 @@ class Settings:
         from the front and a little above.
     color_range
         The values at the ends of the colour bar; default: those that the rods have.
+    titled
+        With the title, the case and the notes, which else are in the caption.
     bare
         The views alone, without words and bars.
     transparent
@@ -58,6 +60,7 @@ class Settings:
     strict: bool = False
     camera: str | None = None
     color_range: tuple[float, float] | None = None
+    titled: bool = True
     bare: bool = False
     transparent: bool = False
     size: tuple[int, int] | None = None

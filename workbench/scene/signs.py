@@ -18,9 +18,10 @@ from ..figures.axis_scales import round_below
 from ..figures.halo import Halo
 from ..words import labels
 from .scene_kinds import Cell, Paint
-from .views import BELOW, DOT
+from .views import BELOW, DOT, ROUND
 
-GLYPH, SCALE = 0.72, 1.0  # widths: the cylinder from above, the longest scale bar
+GLYPH, SCALE = 0.76, 1.0  # widths: the cylinder from above, the longest scale bar
+DIAL = 0.15  # the radius of the cylinder from above
 EYE = 0.078  # from a cylinder that is seen from above to the middle of the eye
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 # in place of a colour: a line between two marks, an arrow, a tick, a line to words
@@ -74,7 +75,7 @@ def legend_sign(colour: str, text: str) -> Artist:
                       markersize=8 if colour == GAP else 12, markeredgewidth=1.1)  # fmt: skip
     if colour == RING:
         return crossing_rings.entry(text)
-    return Patch(facecolor=colour, label=text)
+    return Patch(facecolor=colour, edgecolor=colours.OUTLINE, linewidth=0.6, label=text)
 
 
 def draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: float) -> None:
@@ -89,7 +90,7 @@ def draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: 
 
 def draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> None:
     """The cylinder seen along its axis, where alpha = 0, and an eye where the viewer is."""
-    middle, radius = np.array([x + GLYPH / 2, y]), 0.13
+    middle, radius = np.array([x + DIAL + 0.11, y]), DIAL
     ax.add_patch(Circle(tuple(middle), radius, facecolor=colours.SURFACE, edgecolor=colours.SOFT, linewidth=0.8))
     ax.plot([middle[0], middle[0] + radius], [y, y], color=colours.SOFT, linewidth=0.8)
     way = np.asarray(toward[:2]) * [1, -1] / max(float(np.hypot(*toward[:2])), 1e-9)
@@ -136,10 +137,10 @@ def draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
     for k, line in enumerate(cell.caption.split("\n")):
         ax.text(middle + dot * (k == 0), foot + k * fonts.NORMAL * fonts.LINE, line, ha="center", va="top")
     if cell.number is not None:
-        at = middle + dot - fonts.width_of(cell.caption.split("\n")[0], fonts.NORMAL) / 2 - DOT / 2
-        down, size = foot + fonts.NORMAL / 72 / 2, fonts.SMALL * (0.9 if cell.number < 10 else 0.75)
+        at = middle + dot - fonts.width_of(cell.caption.split("\n")[0], fonts.NORMAL) / 2 - DOT + ROUND
+        down, size = foot + fonts.NORMAL / 72 / 2 - 0.01, fonts.SMALL * (1.0 if cell.number < 10 else 0.9)
         face, ink = (colours.INK, "white") if cell.stable else ("white", colours.INK)
-        ax.add_patch(Circle((at, down), 0.075, edgecolor=colours.INK, linewidth=0.9, facecolor=face))
+        ax.add_patch(Circle((at, down), ROUND, edgecolor=colours.INK, linewidth=0.9, facecolor=face))
         ax.text(at, down, str(cell.number), ha="center", va="center_baseline", size=size, color=ink)
     if cell.why_empty:
         words = fonts.break_lines(cell.why_empty, wide, fonts.SMALL)

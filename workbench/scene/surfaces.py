@@ -16,18 +16,18 @@ from scipy.spatial import cKDTree
 
 from solver.orbits import frames
 
-from ..figures.colours import DEPTH, REACH, SURFACE
+from ..figures.colours import DEPTH, REACH, SURFACE, rgb
 from ..geometry import tube
 from ..geometry.centreline import Array
 from ..geometry.tube_tolerance import Rings
 from .body import STRIPE, Body
-from .scene_kinds import Paint
+from .scene_kinds import OFF_WALL, PUSH_RAMP, Paint
 
 APART = np.pi  # radii along the rod: nearer points are the same stretch
 FACETS = 180  # of a cylinder
 WALL_PIXELS = 4.0  # between points of the wall at which its light is computed
 MOST_WALL = 1000  # of these points along each direction
-COLUMNS = 8192  # of a texture: between a push and a pull of a thousandth of the scale no colours are mixed
+COLUMNS = 8193  # of a texture: between a push and a pull of a thousandth of the scale no colours are mixed
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,9 +112,11 @@ def rim(R: float, z: float) -> Array:
 
 
 def texture_of(paint: Paint) -> NDArray[np.uint8]:
-    """The colours of a scale from left to right; black below, full light above."""
+    """The colours of a scale from left to right, black below, full light above; no push has a colour of its own."""
     assert paint.ramp is not None
     row = np.round(255 * np.asarray(paint.ramp((np.arange(COLUMNS) + 0.5) / COLUMNS))[:, :3])
+    if paint.ramp is PUSH_RAMP:
+        row[COLUMNS // 2] = rgb(OFF_WALL)
     return np.stack([0 * row, row]).astype(np.uint8)
 
 

@@ -33,7 +33,7 @@ STEEPEST = 60.0  # degrees; beyond, lengths along the axis are hardly seen
 BELOW = 0.05  # inches from a view to its caption
 EDGE = 0.015  # around what is drawn, for its lines
 EMPTY = 0.75  # least width of a column with a cell without a rod, for its reason
-DOT = 0.21  # the width of the dot of an equilibrium and the gap after it
+DOT, ROUND = 0.23, 0.085  # the width of the dot of an equilibrium and the gap after it; its radius
 ROWS = 6  # rows that are tried
 SLID, STEPS = 2.0, 201  # how far an arrow is moved, in radii of the cylinder, and places at which that is asked
 LYING = 1.3  # how much taller than wide a scene must be to be laid on its side
@@ -139,6 +139,11 @@ def front_camera(
     toward = np.cos(above) * out + np.sin(above) * axis
     flat = np.cos(above) * axis - np.sin(above) * out
     return Camera(toward, np.cross(toward, flat) if lying else flat, down=down)
+
+
+def lies(camera: Camera) -> bool:
+    """Whether the axis goes across the page rather than up."""
+    return abs(camera.page[0, 2]) > abs(camera.page[1, 2])
 
 
 def upright(camera: Camera) -> Camera:
@@ -324,6 +329,10 @@ def arrange(
 
 def in_rows(views: Sequence[View], camera: Camera, room: tuple[float, float]) -> list[list[View]]:
     """The views in as many rows as let them be largest, nearly so in fewer; the last row is filled up."""
+
+    if lies(camera):
+        lines = [replace(view.cell, caption=view.cell.line or view.cell.caption) for view in views]
+        views = [replace(view, cell=cell) for view, cell in zip(views, lines, strict=True)]
 
     def cut(columns: int) -> list[list[View]]:
         filled = [*views, *[View([], Cell())] * (-len(views) % columns)]
