@@ -483,7 +483,21 @@ def test_the_words_of_a_rod_inside_a_tube_say_inside_once() -> None:
     rods = StoredStudy(dataset("inside").assign_attrs(title="A rod inside a tube"))
     texts = [text.get_text() for text in layout.compose(rods, settings=composition.Settings(2.0, 50)).fig.texts]
     assert " ".join(texts).count("inside") == 1
-    assert "the near half of the wall is cut away" in texts
+    cut = "the near half of the wall is cut away"
+    assert cut in texts
+    untitled = layout.compose(rods, settings=composition.Settings(2.0, 50, titled=False)).fig
+    assert not untitled.texts
+    assert canvas.caption(untitled)[0] == f"{cut}."
+
+
+def test_no_push_is_white_and_the_least_push_and_pull_are_not() -> None:
+    paint = scene_kinds.by_push({"length": "cm", "force": "N", "angle": "rad"}, (-1.0, 1.0))
+    row = surfaces.texture_of(paint)[1]
+    place = surfaces.place_on(paint, np.array([0.0])) * surfaces.COLUMNS
+    assert place == surfaces.COLUMNS // 2 + 0.5  # in the middle of a texel: no other is mixed with it
+    pull, none, push = row[int(place[0]) - 1 : int(place[0]) + 2]
+    assert tuple(none) == colours.rgb(scene_kinds.OFF_WALL)
+    assert min(none) > 250 > max(pull[2], push[0])
 
 
 @draws

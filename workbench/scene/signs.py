@@ -75,7 +75,8 @@ def legend_sign(colour: str, text: str) -> Artist:
                       markersize=8 if colour == GAP else 12, markeredgewidth=1.1)  # fmt: skip
     if colour == RING:
         return crossing_rings.entry(text)
-    return Patch(facecolor=colour, edgecolor=colours.OUTLINE, linewidth=0.6, label=text)
+    edge = colour if colour == "none" else colours.OUTLINE
+    return Patch(facecolor=colour, edgecolor=edge, linewidth=0.6, label=text)
 
 
 def draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: float) -> None:
