@@ -173,17 +173,15 @@ def _search(problem: EndsProblem, dbeta0: float | None, choose: Choose) -> Found
     return search_levels(problem) if not isinstance(choose, int) and needs_stable else equilibria
 
 
-def select_seed(
-    problem: EndsProblem, choose: Choose = NEAREST, points: int = 2001
-) -> tuple[Seed, NDArray[np.object_], list[str]]:
-    """The equilibrium of each of B ends problems that the rule takes, as a seed at `points` stations.
+def select_seed(problem: EndsProblem, choose: Choose) -> tuple[Seed, NDArray[np.object_], list[str]]:
+    """The equilibrium of each of B ends problems that the rule takes, as a seed at 2001 stations.
 
     Returns the seed, NaN where there is no equilibrium; (B,) how each was selected; and the outcomes that say why there
     is none, empty where there is one.
     """
-    u = np.linspace(0, 1, points)
+    u = np.linspace(0, 1, 2001)
     taken, why = np.full(problem.size, None, dtype=object), [""] * problem.size
-    dbeta0, beta = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
+    dbeta0, beta = np.full(problem.size, np.nan), np.full((problem.size, u.size), np.nan)
     for i in range(problem.size):
         single = problem.take(slice(i, i + 1))
         answer = selection_of(single, single.span[:, None] * u, 1e-8, None, choose)

@@ -174,9 +174,7 @@ def _sheet_of(files: _Files, kind: str, suffixes: tuple[str, ...]) -> "Sheet | N
     if files.out is not None and suffixes:
         check_file(files.out, suffixes, files.force)
     elif files.out is not None:
-        writing.check_parent(files.out)
-        if not files.force:
-            writing.check_free(files.out, kind)
+        writing.check_free(files.out, kind, files.force)
     if files.plot is None:
         for name in ("style", "width", "no_title"):
             if getattr(files, name) != getattr(_Files(), name):

@@ -112,7 +112,7 @@ def _check_free(path: Path, name: str, force: bool) -> None:
         return
     from ..run import writing
 
-    writing.check_free(path, name)
+    writing.check_free(path, name, force=False)
 
 
 @presents()

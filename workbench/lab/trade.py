@@ -152,8 +152,7 @@ def _measure(
     from ..run import writing
     from ..stored.stored_study import StoredStudy
 
-    if not force:
-        writing.check_free(path, path.stem)
+    writing.check_free(path, path.stem, force)
     pieces: list[Any] = []
 
     def store(path: Path) -> "tuple[xr.Dataset, list[Path]]":

@@ -44,7 +44,7 @@ def reproduce(
     with writing.folder_of_results(out):
         files = {study.name: out / f"{study.name}.h5" for study in studies}
         for name, path in {**files, **{name: out / f"{name}.h5" for name in report_runs.NAMES}}.items():
-            writing.check_free(path, name)
+            writing.check_free(path, name, force=False)
         from ..scene import opengl
         from . import report_document  # drawing libraries are imported once all input is checked
 

@@ -56,9 +56,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         axis, axes = _axis(opened, studies, names), schema.axes_of(opened[0])
         union, places = unite([_dimension(ds, studies[0], axis) for ds in opened])
         attrs = _attributes(opened, studies[0], union, names, out)
-        writing.check_parent(out)
-        if not force:
-            writing.check_free(out, attrs["study_name"])
+        writing.check_free(out, attrs["study_name"], force)
         first = opened[0]
         lead = tuple(axes)  # a field that follows an axis has no such axis in a file with one value of it
         cases = [name for name in map(str, first.data_vars) if all(ds[name].dims[: len(lead)] == lead for ds in opened)]

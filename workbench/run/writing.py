@@ -74,11 +74,8 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
     it is something else, where the folder cannot be written, and for a dataset that no command would read; the existing
     file then stays as it was.
     """
-    path = Path(path)
-    check_parent(path)
-    ds = ds.assign_attrs(Conventions=schema.CONVENTIONS)
-    if not force:
-        check_free(path, str(ds.attrs["study_name"]))
+    path, ds = Path(path), ds.assign_attrs(Conventions=schema.CONVENTIONS)
+    check_free(path, str(ds.attrs["study_name"]), force)
     checks.check(ds.drop_encoding(), f"cannot write {path}")  # whatever is written is read
     image = BytesIO()  # HDF5 does not survive a full disk, so it writes to memory
     write_new(ds, image)
@@ -138,10 +135,11 @@ def check_new(path: Path, force: bool) -> None:
         raise InputError(f"{path} exists; give --force to replace it")
 
 
-def check_free(path: str | Path, study_name: str) -> None:
-    """Raise `InputError` unless nothing is at `path`, or a dataset of the study of that name."""
-    path = atomic.check_name(path)
-    if not path.exists():
+def check_free(path: Path, study_name: str, force: bool) -> None:
+    """Raise `InputError` where `check_parent` does, and without `force` for all but a dataset of the study of that
+    name."""
+    check_parent(path)
+    if force or not path.exists():
         return
     try:
         with file_checks.open_valid(path) as (_, held):

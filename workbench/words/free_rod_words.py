@@ -65,12 +65,8 @@ def point_forces(sol: "Solution") -> list[tuple[str, str]]:
 
 def _place(sol: "Solution", s: float) -> str:
     """Where a contact begins or ends: an end of the rod, or in the digits that the error allows."""
-    lengths = [high - low for low, high in sol.contacts if high > low]
-    return known_to(
-        s,
-        error_beside(sol, s, 0) * float(sol.case.rho) * (0 < s < float(sol.case.rod.L)),
-        min(lengths, default=math.inf),
-    )
+    shortest = min((high - low for low, high in sol.contacts if high > low), default=math.inf)
+    return known_to(s, error_beside(sol, s, 0) * float(sol.case.rho) * (0 < s < float(sol.case.rod.L)), shortest)
 
 
 def known_to(value: float, error: float, size: float) -> str:
