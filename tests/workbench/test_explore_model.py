@@ -10,6 +10,7 @@ from solver.observe.observables import OBSERVABLES
 from tests.workbench.live import state
 from workbench.web.live import page_model
 from workbench.web.live.presets import PRESETS
+from workbench.words import unit_habits
 
 BY_NAME = {preset.name: preset for preset in PRESETS}
 
@@ -92,6 +93,15 @@ def test_loads_and_every_observable_are_rows() -> None:
     assert list(rows) == ["FZ", "MZ", "M3", *(name for name, row in OBSERVABLES.items() if not (row.holds or row.free))]
     assert rows["bends"] == 6
     assert rows["FZ"] == pytest.approx(10 * np.cos(np.pi / 6))
+
+
+def test_off_the_wall_a_number_has_the_digits_that_its_error_allows() -> None:
+    one, names = shape("pipe", L=30.0, contact="unilateral"), ("push_max", "kappa_max")
+    seen = {name: float(value) for name, value in observe(one.sol, names, errors=True).items()}
+    rows = {row["name"]: row["value"] for row in page_model.numbers(one)["rows"]}
+    for name in names:
+        wanted = float(unit_habits.within(seen[name], seen[f"{name}_error"]))
+        assert rows[name] == page_model.facts(one)["numbers"][name] == wanted != seen[name]
 
 
 def test_the_warnings_are_those_of_the_shape() -> None:

@@ -117,6 +117,8 @@ def test_of_a_study_with_axes_one_case_is_shown_and_named(tmp_path) -> None:
     assert [one.state for one in shown if one] == [shown[0].state] * 2
     assert "From fig7_1_modulus, the case at E = 10905.1, one of 9." in shown[0].source
     assert "From modulus.h5, the case at E = 10905.1, one of 9." in shown[1].source
+    assert shown[0].handle == "E"  # has the first slider
+    assert shown[0].spans["E"] == (5e3, 4e4)
     drawn = page_model.study_of(shown[0].state).case()
     assert float(drawn.rod.E) == pytest.approx(10905.1, abs=0.1)
 

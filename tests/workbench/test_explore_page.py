@@ -417,6 +417,7 @@ def test_every_preset_is_drawn_and_its_equilibria_can_be_stepped_through_with_th
     page.type("FZ", "174.52")  # no longer the ends of a helix: with those the search finds only the helix
     page.until(lambda: page("return page.list.length") > 1, "the equilibria")
     assert page("return page.list.length") == 5
+    assert page("return document.getElementById('o-lift_off_at').textContent") == "nowhere"
     assert page("return document.querySelectorAll('#list .stable polyline, #list .unstable polyline').length") == 5
     assert page("return page.here") == 0
     before, points = page.drawn(), page.points()
@@ -625,6 +626,7 @@ def test_on_a_phone_the_rod_comes_first_and_stays_and_the_controls_are_large(pag
         assert page(top) < 20
         below = "return document.querySelector(arguments[0]).getBoundingClientRect().bottom"
         assert page(below, "#handle") < min(page(below, "#cursor"), 844)  # first of all, and on the first screen
+        assert page(below, "#view") < page(below, "#chip") < page(below, "#subject")  # the verdict is below the picture
         page("window.scrollTo(0, 900)")
         assert abs(page(top)) < 20
         stays = page(

@@ -91,6 +91,8 @@ def test_a_pipe_with_weight_and_friction_is_solved_by_the_server(port) -> None:
     head, arrays = unpacked(asked(port, "POST", "/shape", {"state": heavy}).data)
     sol = solve(page_model.study_of(heavy).case(), stations=arrays["s"].size)
     assert head["notes"][0].startswith("State: sinusoidal all along; ")
+    assert all(note.startswith("Caution: ") for note in head["notes"][1:])
+    assert [note for note in head["details"] if "at s = 0; −200 at s = L" in note]  # a minus sign, no hyphen
     for name, values in {"push": sol.push, "tension": sol.F3, "alpha": sol.alpha}.items():
         assert np.allclose(arrays[name], values, atol=1e-9 * np.abs(values).max())
     assert [arrays["axial"][i] for i in (0, -1)] == pytest.approx([observe(sol, ["FZ0"])["FZ0"], -200.0])

@@ -21,7 +21,7 @@ from tests.workbench.live import STATES, state
 from tests.workbench.node import needs_node, run
 from workbench.figures import along_rods, colours, drawn_rods, push_scale
 from workbench.geometry import solid_body
-from workbench.scene import scene_kinds, surfaces
+from workbench.scene import scene_kinds, surfaces, views
 from workbench.stored import quantity_variables
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.live import page_model
@@ -386,6 +386,11 @@ def test_the_tube_is_closed_touches_the_cylinder_and_is_as_near_as_it_says(name)
         )
         straight = np.stack([np.interp(fine, s, drawn[:, j, k]) for k in range(3)], axis=-1)
         assert np.sqrt(((true - straight) ** 2).sum(axis=-1)).max() < tolerance
+
+
+def test_a_lying_pipe_is_seen_from_the_side_of_the_stills() -> None:
+    seen = run("answer(camera.LOW_SIDE_DOWN);", None, ("camera",))
+    assert seen == pytest.approx(views.LOW_SIDE_DOWN)
 
 
 def test_the_rings_are_where_the_rod_bends() -> None:

@@ -87,7 +87,7 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
     return {
         "served": served,
         "presets": [asdict(preset) | ({} if served else _begin(preset)) for preset in presets],
-        "readings": {name: reading.words for name, reading in readings.items()},
+        "readings": {name: [" · ".join(reading.symbols), reading.words] for name, reading in readings.items()},
         "quantities": {
             name: [row.symbol, labels.quantity_name(row.long_name), row.dimension] for name, row in QUANTITIES.items()
         },

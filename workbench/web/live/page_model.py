@@ -9,7 +9,7 @@ of the state before. A search that would take minutes is refused. Nothing is kep
 import re
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -37,10 +37,11 @@ from ...run import dataset_assembly
 from ...run.block import columns
 from ...stored.case_solving import rule_of, solve_one
 from ...stored.stored_study import StoredStudy
-from ...words import caution_words, free_rod_words, labels, pipe_profile, pipe_words
+from ...words import caution_words, free_rod_words, labels, pipe_profile, pipe_words, unit_habits
 
 SMALL = 240  # points of a small picture
 KEYS = ("title", "units", "reading", "base", "equilibrium", "let_go")
+KEPT = ("State:", "The rod ", "Caution:")  # how sentences begin that are no details
 SLOW = ("overlaps", "index")  # observables that are told later, with all others
 TOL = DEFAULT_TOLERANCE
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends or weight
@@ -285,7 +286,7 @@ def answer(one: LiveRod) -> dict[str, Any]:
 
 
 def facts(one: LiveRod) -> dict[str, Any]:
-    """Outcome, error, condition number and notes of a solved rod, as plain data; what the page cannot compute of it.
+    """Outcome, error, condition number, notes and details of a solved rod, as plain data; what the page cannot compute.
 
     That are observables; intervals of contact and point forces of a rod that may leave the cylinder, and which
     equilibrium was let go.
@@ -297,18 +298,17 @@ def facts(one: LiveRod) -> dict[str, Any]:
         notes.append(
             f"Only the first {labels.number(one.shown)} {units['length']} are shown: the rod bends too often for more."
         )
-    notes += [
-        f"{said[0].upper()}{said[1:]}."
-        for said in [*free_rod_words.sentences(sol, units), *pipe_words.all_sentences(sol, units)]
-    ]
+    words = [*free_rod_words.sentences(sol, units), *pipe_words.all_sentences(sol, units)]
+    said = [labels.minus_signs(f"{sentence[0].upper()}{sentence[1:]}.") for sentence in words]
     return {
         "outcome": str(sol.outcome),
         "error": float(sol.error),
         "condition": float(sol.condition),
         "method": sol.method,
         "stations": sol.s.size,
-        "notes": notes,
-        "numbers": _observations(sol) if is_served(one) else None,
+        "notes": notes + [sentence for sentence in said if sentence.startswith(KEPT)],
+        "details": [sentence for sentence in said if not sentence.startswith(KEPT)],
+        "numbers": _observations(sol, units, SLOW) if is_served(one) else None,
         **({"contacts": sol.contacts, "point_forces": sol.point_forces} if sol.case.leaves else {}),
         **({} if one.held is None else {"equilibrium": _names_of(one.held)}),
     }
@@ -319,21 +319,28 @@ def _names_of(held: Solution) -> dict[str, float]:
     return {"dbeta0": float(held.dbeta[0]), "energy": float(observe(held, ["energy"])["energy"])}
 
 
-def _observations(sol: Solution) -> dict[str, float]:
-    """The observables of a rod that the server solves; of other rods the page computes them itself."""
-    names = [name for name in observables_of(sol.case.rod, sol.case.leaves) if name not in SLOW]
-    return {name: float(value) for name, value in observe(sol, names).items()}
+def _observations(sol: Solution, units: Mapping[str, str], left_out: Sequence[str] = ()) -> dict[str, Any]:
+    """The observables of a rod, of which those with a known error have the digits of the command line."""
+    names = [name for name in observables_of(sol.case.rod, sol.case.leaves) if name not in left_out]
+    seen = {name: np.asarray(value).item() for name, value in observe(sol, names, errors=True).items()}
+
+    def number(name: str) -> Any:
+        error, unit = seen.get(f"{name}_error"), unit_habits.unit_shown(name, units)
+        size = np.degrees(1.0) if unit == "rad" else unit_habits.size_shown(name, units)
+        return seen[name] if error is None else float(unit_habits.within(seen[name] * size, error * size, 10)) / size
+
+    return {name: number(name) for name in names}
 
 
 def numbers(one: LiveRod) -> dict[str, Any]:
     """Loads and every observable as a row, in the units of the study and rad, and what a real rod could not do."""
     sol = one.sol
     observed = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")}
-    observed |= observe(sol, observables_of(sol.case.rod, sol.case.leaves))
-    caution = str(caution_words.of_cases(sol, units=one.study.unit_system))
+    observed |= _observations(sol, one.study.unit_system)
+    parts = caution_words.parts(str(caution_words.of_cases(sol, units=one.study.unit_system)))
     return {
-        "rows": [{"name": name, "value": np.asarray(value).item()} for name, value in observed.items()],
-        "warnings": [f"The rod {caution_words.phrase(part)}." for part in caution_words.parts(caution)],
+        "rows": [{"name": name, "value": value} for name, value in observed.items()],
+        "warnings": [labels.minus_signs(f"The rod {caution_words.phrase(part)}.") for part in parts],
     }
 
 

@@ -15,12 +15,14 @@ from studies.language.printed import table_of
 
 from ...stored.case_of_file import open_case
 from ...stored.case_solving import solve_one
+from ...words import labels
 from ...words.assumptions import assumption, units_sentence
 from .. import pages
 from .page_model import BETWEEN
 
 OWN = "own"
 DEAD_LOADS = ("FZ", "MZ", "M3")
+HANDLES = ("FZ", "F3", "E", "EI", "L")  # fields, one of which has the first slider where a study varies none
 HIDDEN = ("alpha", "gamma")  # they turn the whole rod; a value of 0 is left out
 WITH_WEIGHT = {"inclination": 0.0}  # has a slider where there is weight
 ON_WALL = {"friction": 0.0, "sliding": "forward"}  # have one where the cylinder also holds the rod on
@@ -30,8 +32,8 @@ ON_WALL = {"friction": 0.0, "sliding": "forward"}  # have one where the cylinder
 class Preset:
     """A rod to begin with.
 
-    state: a study as plain data, see `page_model.study_of`. spans: of sliders of quantities with either sign, the
-    greatest size or the two ends. source: where the values come from, and which are assumed. handle: the field whose
+    state: a study as plain data, see `page_model.study_of`. spans: of sliders the two ends, or of quantities with
+    either sign the greatest size. source: where the values come from, and which are assumed. handle: the field whose
     slider stands first, and sentence: what is said of it.
     """
 
@@ -62,12 +64,20 @@ def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]
     else:
         rod = open_case(file, options)
     let_go = {"let_go": True} if rod.study is not None and rod.study.let_go else {}
+    varied = {} if rod.study is None else rod.study.variation.dimensions.fields
     rod = _under_dead_loads(rod)
     named = "A rod of the command line's options" if file is None else file.name
     title = named if rod.study is None else rod.study.title
     source = "Your rod" if rod.source == "the options" else f"From {rod.source}"
     words = " ".join(filter(None, (f"{source}.", units_sentence(rod.units), assumption(rod.assumed, HIDDEN))))
-    return Preset(OWN, title, words, _state(rod, title, not options) | let_go, _spans(rod.case))
+    state = _state(rod, title, not options) | let_go
+    handle = next(name for name in (*varied, *HANDLES) if name in state["base"])
+    who = "The study varies {0}: move it," if handle in varied else "Change {0},"
+    sentence = f"{who.format(labels.axis_symbol(handle))} and the rod follows."
+    ends = {
+        name: (float(min(values)), float(max(values))) for name, values in varied.items() if min(values) < max(values)
+    }
+    return Preset(OWN, title, words, state, _spans(rod.case) | ends, handle, sentence)
 
 
 def _under_dead_loads(rod: CaseInput) -> CaseInput:

@@ -89,7 +89,7 @@ export function matrix(camera, aspect, depth) {
   return Float32Array.from({ length: 16 }, (_, i) => rows[i % 4][i >> 2]);
 }
 
-const LOW_SIDE_DOWN = -Math.PI / 2; // azimuth of a lying view with alpha = 0 at the bottom
+export const LOW_SIDE_DOWN = (-2 * Math.PI) / 3; // azimuth of a lying view that looks down on alpha = 0, as in the stills
 
 /* The camera before the middle of a rod; wide: lying, where the rod is longer than its cylinder is thick. The low side of
    a rod with weight is then at the bottom. */

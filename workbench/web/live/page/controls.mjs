@@ -16,12 +16,12 @@ const LETTERS = 9; // in the box of a number
 /* The two ends of the slider of a field; centre: its value in the preset. */
 export function spanOf(name, centre, span) {
   const kind = kindOf(name);
+  if (Array.isArray(span) && (kind !== "positive" || span[0] > 0)) return span;
   if (kind === "ratio") return RATIO;
   if (kind === "tilt") return [0, Math.PI];
   if (kind === "share") return [0, 1];
   if (kind === "bore") return [0, BORE * centre || span || 1];
   if (kind === "positive") return [centre / WIDER, centre * WIDER];
-  if (Array.isArray(span)) return span;
   const most = RANGES[name]?.high ?? (name === "betaL" ? 2 : 1) * Math.PI,
     far = span || (kind === "angle" ? most : 4 * Math.abs(centre || 0) || 1);
   return [-far, far];

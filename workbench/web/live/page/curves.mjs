@@ -8,7 +8,6 @@ import { PUSH, stated } from "./text.mjs";
 
 const DEGREE = 180 / Math.PI;
 const ANGLES = 721; // points of the potential
-const FLAT = 6; // how many times longer than wide a developed curve is drawn with equal scales
 
 export function diagrams(shape, units) {
   const { one, beta, push, axial, gap } = shape,
@@ -56,7 +55,7 @@ function unrolled({ one, z, alpha, push }, length) {
     flipped: true,
     height: 170,
     least: 1e-6 * one.L,
-    equal: areSimilar(y, z),
+    equal: true,
     dot: true,
     jump: winds ? turn / 2 : Infinity,
     push,
@@ -87,12 +86,6 @@ function well({ one, problem, beta }, length) {
 }
 
 const isMonotone = (row) => [1, -1].some((way) => row.every((v, i) => !i || way * (v - row[i - 1]) >= 0));
-
-/* Whether both axes can have one scale. */
-function areSimilar(x, y) {
-  const [wide, tall] = [x, y].map((row) => range(row)[1] - range(row)[0]);
-  return Math.max(wide, tall) <= FLAT * Math.max(Math.min(wide, tall), 1e-9 * Math.max(wide, tall));
-}
 
 /* The values of a shape at s, by straight lines between its stations. */
 export function valuesAt(shape, s) {

@@ -28,9 +28,10 @@ const BARRED = /pass(es)? through itself|lift off|tighter than/, // sentences on
 export const putPixels = (canvas, pixels) =>
   canvas.getContext("2d").putImageData(new ImageData(pixels, canvas.width, canvas.height), 0, 0);
 
-/* Observables, name and value each, and sentences. quantities: symbol, words and dimension of each name. left: why the
-   large numbers are left out. */
-export function showRows(rows, sentences, quantities, units, left = "") {
+/* Observables, name and value each, and sentences before those of the server. me: state, shape and head. quantities:
+   symbol, words and dimension of each name. left: why the large numbers are left out. */
+export function showRows({ state: { units }, shape, head: { notes = [], details = [] } }, rows, told, quantities, left = "") {
+  const sentences = [...told, ...notes];
   const row = ([name, value], id) => {
     const [symbol, long, dimension] = quantities[quantityOf(name)],
       isAnswer = name === "overlaps",
@@ -42,7 +43,9 @@ export function showRows(rows, sentences, quantities, units, left = "") {
         ? value ? "yes" : "no"
         : isStability
           ? stability(value)
-          : inUnit(value, stated(dimension, units, name));
+          : name === "lift_off_at" && value > shape.one.L * (1 - 1e-9)
+            ? "nowhere"
+            : inUnit(value, stated(dimension, units, name));
     return make("div", {}, make("dt", {}, letter, isSaid ? words.slice(symbol.length) : ` ${words}`),
                 make("dd", { id: `${id}-${name}` }, amount));
   };
@@ -59,7 +62,9 @@ export function showRows(rows, sentences, quantities, units, left = "") {
     set(element(id), texts.length ? `${first} ${texts.join(" ")}${id === "chip" ? from : ""}` : "");
   }
   const others = more.filter((text) => !BARRED.test(text));
-  element("warnings").replaceChildren(...others.map((text) => make("li", {}, text)));
+  for (const [id, texts] of [["warnings", others], ["details", details]])
+    element(id).replaceChildren(...texts.map((text) => make("li", {}, text)));
+  element("detailed").hidden = !details.length;
 }
 
 /* How the shape was solved, in one line. */

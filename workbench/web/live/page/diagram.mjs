@@ -4,11 +4,14 @@ import { css, pushColour } from "./colours.mjs";
 import { number, tickText, ticks } from "./text.mjs";
 import { range } from "./range.mjs";
 
-const LEFT = 58,
+const LEFT = 58, // at least
+  LABEL = 25, // beside the ticks at the left
   RIGHT = 12,
   TOP = 8,
   FOOT = 36;
 const LETTER = 11,
+  DIGIT = 0.65, // of the height of a letter, at most
+  FLAT = 6, // how many times more of a panel one direction may fill where both have one scale
   LEAST_SCALES = 1.05,
   LEAST_RANGE = 5,
   TONES = 32,
@@ -28,24 +31,28 @@ export function paper(canvas, width, height, ratio) {
   return ctx;
 }
 
-/* The scales of a diagram in a box of so many pixels. */
-export function frameOf(spec, width, height) {
-  const w = width - LEFT - RIGHT,
+/* The scales of a diagram in a box of so many pixels. left: its margin, at least, which has room for the widest tick. */
+export function frameOf(spec, width, height, left = LEFT) {
+  const w = width - left - RIGHT,
     h = height - TOP - FOOT,
     more = [spec.zero ? 0 : NaN, spec.level ?? NaN];
   let [x0, x1] = extent(spec.x, [], spec.least),
     [y0, y1] = extent(spec.y, more, spec.least);
   if (!spec.rising) [x0, x1] = padded(x0, x1, 0.04);
   [y0, y1] = padded(y0, y1, 0.07);
-  if (spec.equal) {
-    const unit = Math.max((x1 - x0) / w, (y1 - y0) / h),
-      cx = (x0 + x1) / 2,
+  const [across, down] = [(x1 - x0) / w, (y1 - y0) / h],
+    unit = Math.max(across, down);
+  if (spec.equal && unit <= FLAT * Math.min(across, down)) {
+    const cx = (x0 + x1) / 2,
       cy = (y0 + y1) / 2;
     [x0, x1, y0, y1] = [cx - (unit * w) / 2, cx + (unit * w) / 2, cy - (unit * h) / 2, cy + (unit * h) / 2];
   }
-  const px = (v) => LEFT + ((v - x0) / (x1 - x0)) * w,
+  const room = LABEL + DIGIT * LETTER * Math.max(...heights(spec, y0, y1).map(([, text]) => text.length));
+  if (room > left) return frameOf(spec, width, height, room);
+  const px = (v) => left + ((v - x0) / (x1 - x0)) * w,
     py = (v) => TOP + h - ((v - y0) / (y1 - y0)) * h;
   return {
+    left,
     w,
     h,
     x0,
@@ -56,10 +63,13 @@ export function frameOf(spec, width, height) {
     py,
     width,
     height,
-    back: (p) => x0 + ((p - LEFT) / w) * (x1 - x0),
+    back: (p) => x0 + ((p - left) / w) * (x1 - x0),
     stretch: w / (x1 - x0) / (h / (y1 - y0)),
   };
 }
+
+/* The ticks between two heights, each with its text. */
+const heights = ({ flipped }, low, high) => ticks(low, high, 4).map((v) => [v, tickText(flipped ? -v || 0 : v, high - low)]);
 
 const padded = (low, high, share) => [low - share * (high - low), high + share * (high - low)];
 
@@ -104,7 +114,7 @@ function kept(xs, ys, rising) {
 
 /* end: the push that has the darkest blue. */
 export function paintDiagram(ctx, spec, frame, theme, code, end) {
-  const { w, h, px, py } = frame;
+  const { left, w, h, px, py } = frame;
   ctx.clearRect(0, 0, frame.width, frame.height);
   ctx.font = `${LETTER}px ${theme.font}`;
   const xs = Array.from(spec.x, px),
@@ -114,10 +124,10 @@ export function paintDiagram(ctx, spec, frame, theme, code, end) {
   gridOf(ctx, frame, theme);
   ctx.save();
   ctx.beginPath();
-  ctx.rect(LEFT, TOP, w, h);
+  ctx.rect(left, TOP, w, h);
   ctx.clip();
   if (spec.shaded) for (const one of stretches(spec.x, spec.y)) shade(ctx, one, spec, frame, code);
-  if (spec.zero) rule(ctx, LEFT, py(0), LEFT + w, py(0), theme.soft, 1);
+  if (spec.zero) rule(ctx, left, py(0), left + w, py(0), theme.soft, 1);
   for (const { x, y, look } of spec.lines || []) {
     const [width, dashes, colour] = look;
     ctx.setLineDash(dashes);
@@ -188,15 +198,15 @@ function pushLine(ctx, chosen, xs, ys, push, theme, code, end) {
   }
 }
 
-function gridOf(ctx, { px, py, x0, x1, y0, y1, w, h }, theme) {
+function gridOf(ctx, { px, py, x0, x1, y0, y1, left, w, h }, theme) {
   for (const v of ticks(x0, x1, 6)) rule(ctx, px(v), TOP, px(v), TOP + h, theme.faint, 1);
-  for (const v of ticks(y0, y1, 4)) rule(ctx, LEFT, py(v), LEFT + w, py(v), theme.faint, 1);
+  for (const v of ticks(y0, y1, 4)) rule(ctx, left, py(v), left + w, py(v), theme.faint, 1);
 }
 
-function levelOf(ctx, spec, { px, py, w }, theme) {
+function levelOf(ctx, spec, { px, py, left, w }, theme) {
   const y = py(spec.level);
   ctx.setLineDash([4, 3]);
-  rule(ctx, LEFT, y, LEFT + w, y, theme.level, 1);
+  rule(ctx, left, y, left + w, y, theme.level, 1);
   ctx.setLineDash([]);
   for (const [from, to] of spec.ranges) {
     const middle = (px(from) + px(to)) / 2,
@@ -205,13 +215,13 @@ function levelOf(ctx, spec, { px, py, w }, theme) {
   }
 }
 
-function labels(ctx, spec, { px, py, x0, x1, y0, y1, w, h, height }, theme) {
+function labels(ctx, spec, { px, py, x0, x1, y0, y1, left, w, h, height }, theme) {
   ctx.fillStyle = theme.soft;
   ctx.textAlign = "center";
   for (const v of ticks(x0, x1, 6)) ctx.fillText(tickText(v, x1 - x0), px(v), TOP + h + 14);
-  ctx.fillText(spec.xlabel, LEFT + w / 2, height - 6);
+  ctx.fillText(spec.xlabel, left + w / 2, height - 6);
   ctx.textAlign = "right";
-  for (const v of ticks(y0, y1, 4)) ctx.fillText(tickText(spec.flipped ? -v || 0 : v, y1 - y0), LEFT - 5, py(v) + 4);
+  for (const [v, text] of heights(spec, y0, y1)) ctx.fillText(text, left - 5, py(v) + 4);
   ctx.save();
   ctx.translate(11, TOP + h / 2);
   ctx.rotate(-Math.PI / 2);
@@ -224,8 +234,8 @@ function labels(ctx, spec, { px, py, x0, x1, y0, y1, w, h, height }, theme) {
    vertical. */
 export function titleOf(spec, { stretch }) {
   if (!("equal" in spec) || Math.max(stretch, 1 / stretch) <= LEAST_SCALES) return spec.title;
-  const [way, times] = stretch > 1 ? ["width", stretch] : ["height", 1 / stretch];
-  return `${spec.title}; ${way} drawn ${number(times, 2)} times larger`;
+  const [label, times] = stretch > 1 ? [spec.xlabel, stretch] : [spec.ylabel, 1 / stretch];
+  return `${spec.title}; ${label.split(" [")[0]} drawn ${number(times, 2)} times larger`;
 }
 
 /* A straight line. */

@@ -21,7 +21,7 @@ export function makeEquilibria(me, data, context, theme, send, update) {
     me.here = rowOf(rows, me.state.equilibrium);
     set(element("searching"), "");
     set(element("unlisted"), why);
-    for (const id of ["previous", "next"]) element(id).disabled = !rows.length;
+    for (const id of ["previous", "next"]) element(id).hidden = !rows.length;
     showList(element("list"), rows, me.here, me.state.units, choose);
     element("branches").hidden = !rows.length;
     if (rows.length) branches.show({ state: me.state, list: rows }, context.span);

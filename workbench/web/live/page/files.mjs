@@ -21,7 +21,7 @@ export async function savePicture(me, view, data) {
   const rows = named.map((name) => [name, element(`n-${name}`).value]),
     { colours: code, quantities } = data;
   const { title } = data.presets.find((one) => one.name === me.preset);
-  const [{ state, shape }, read] = [me, data.readings[me.state.reading]];
+  const [{ state, shape }, [, read] = []] = [me, data.readings[me.state.reading]];
   save(await drawPicture({ view, shape, code, rows, quantities, state, title, read }), `${me.preset}.png`);
   say("The picture is in your downloads.");
 }

@@ -70,7 +70,7 @@ function begin(name) {
 function enter(name, state, seed = null) {
   Object.assign(me, { preset: name, centre: copied(state.base), state, list: [], here: -1, cursor: null });
   shown.setCursor(null);
-  element("preset").value = name;
+  Object.assign(element("preset"), { value: name, title: presetOf().title }); // which the menu may cut
   for (const part of ["sentence", "source"]) element(part).textContent = presetOf()[part];
   set(element("message"), "");
   element("list").replaceChildren();
@@ -126,12 +126,12 @@ async function askShape(one, how, since) {
     const lost = !how.fresh && !how.chosen, // the state names the equilibrium of an earlier one
       head = await post("/shape", { state: me.state, lost });
     if (isOld()) return;
-    const { outcome, error, condition, method, notes, numbers, contacts, point_forces, equilibrium } = head,
+    const { error, condition, numbers, contacts, point_forces, equilibrium } = head,
       arrays = Object.fromEntries(Object.entries(head.arrays).map(([name, row]) => [name, Float64Array.from(row)])),
       facts = { error: error ?? NaN, condition: condition ?? NaN, sound: true, shown: 1, numbers };
     if (one.leaves) Object.assign(facts, { contacts, pointForces: point_forces });
     if (equilibrium) me.state.equilibrium = equilibrium; // that was let go
-    took(interpolated(core, one, arrays, facts), { outcome, method, notes }, how, since);
+    took(interpolated(core, one, arrays, facts), head, how, since);
   } catch (error) {
     if (!isOld()) refuse(error);
   } finally {
@@ -214,7 +214,7 @@ const link = () => address.show({ preset: me.preset, state: me.state });
 function prepare() {
   element("preset").append(...data.presets.map((one) => new Option(one.title, one.name)));
   element("sliding").append(...SLIDING.map((one) => new Option(one, one)));
-  element("reading").append(...Object.entries(data.readings).map(([name, words]) => new Option(words, name)));
+  element("reading").append(...Object.entries(data.readings).map(([name, [words]]) => new Option(words, name)));
   element("no-webgl").hidden = Boolean(view.scene);
   for (const button of document.querySelectorAll(".served")) button.hidden = !served;
   const acts = {

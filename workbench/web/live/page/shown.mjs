@@ -33,7 +33,8 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
     element("contact-note").hidden = !free;
     set(element("contact-note"), free ? (state.let_go ? LET_GO : LOADS) : "");
     element("reading-line").hidden = state.reading === undefined;
-    if (state.reading !== undefined) element("reading").value = state.reading;
+    if (state.reading !== undefined)
+      Object.assign(element("reading"), { value: state.reading, title: data.readings[state.reading][1] });
     element("sliding-line").hidden = state.base.friction === undefined;
     element("sliding").value = state.base.sliding || "forward";
     element("by-ends").hidden = isEnds(state) || varies(state);
@@ -55,9 +56,9 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
     if (shape.one.kind === "ends" && !shape.one.varies)
       state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
     const left = shape.shown < 1 ? `${partNote()} ${data.served ? FOLLOW : LEFT_OUT}` : "",
-      told = [...warnings(shape, found, state.units, crossed), ...(me.head.notes || [])];
+      told = warnings(shape, found, state.units, crossed);
     equilibria.branches.mark(state, found);
-    showRows(rowsOf(shape, found), told, data.quantities, state.units, left);
+    showRows(me, rowsOf(shape, found), told, data.quantities, left);
     set(element("fine"), solvedText(me.head, shape));
   }
 
@@ -83,7 +84,7 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
   function askNumbers() {
     const took = ({ rows, warnings: told }) => {
       const found = rows.map(({ name, value }) => [name, value ?? NaN]);
-      showRows(found, [...told, ...(me.head.notes || []), partNote()].filter(Boolean), data.quantities, me.state.units);
+      showRows(me, found, [...told, partNote()].filter(Boolean), data.quantities);
     };
     ask("/numbers", { state: me.state }, took, (why) => set(element("message"), why));
   }

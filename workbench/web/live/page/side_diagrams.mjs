@@ -4,7 +4,7 @@ import { diagrams, valuesAt } from "./curves.mjs";
 import { make, set } from "./details.mjs";
 import { frameOf, paintCursor, paintDiagram, paper, titleOf } from "./diagram.mjs";
 
-const HEIGHT = 165,
+const [WIDTH, HEIGHT] = [370, 165],
   PRINTED = 3; // pixels of a canvas for one of the page, at least, on paper
 
 /* The diagrams in `box`, the last of them folded; the unrolled view, which has the axis of the rod above it, in
@@ -50,11 +50,12 @@ export function makeDiagrams(box, below, code, theme, pointed) {
     if (!shape) return;
     const ratio = Math.max(window.devicePixelRatio || 1, fine),
       here = at === null ? null : valuesAt(shape, at);
+    const frames = (left) =>
+      shown.map(({ canvas, spec }) => frameOf(spec, canvas.clientWidth || WIDTH, spec.height || HEIGHT, left));
+    const left = Math.max(...frames().map((frame) => frame.left)); // of all, so that one place is above the other
+    frames(left).forEach((frame, k) => (shown[k].frame = frame));
     for (const one of shown) {
-      const wide = one.canvas.clientWidth || 370,
-        high = one.spec.height || HEIGHT,
-        ctx = paper(one.canvas, wide, high, ratio);
-      one.frame = frameOf(one.spec, wide, high);
+      const ctx = paper(one.canvas, one.frame.width, one.frame.height, ratio);
       set(one.title, titleOf(one.spec, one.frame));
       paintDiagram(ctx, one.spec, one.frame, theme(), code, end);
       if (here) paintCursor(ctx, one.frame, one.spec.cursor(here), one.spec.alongRod, theme());

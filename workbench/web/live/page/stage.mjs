@@ -75,7 +75,7 @@ function showBar(box, code, scale, [unit, size]) {
 }
 
 const ARM = 26,
-  LETTER = 36,
+  LETTER = 10, // beyond the end of its arm
   MIDDLE = 44; // pixels
 const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
 
@@ -86,14 +86,16 @@ function drawTriad(box, camera) {
   for (const [name, way] of Object.entries(AXES)) {
     const [arm, letter] = [box.querySelector(`line.${name}`), box.querySelector(`text.${name}`)];
     const x = dot(way, right),
-      y = -dot(way, up);
+      y = -dot(way, up),
+      size = Math.hypot(x, y),
+      far = ARM + LETTER / Math.max(size, 0.2);
     arm.setAttribute("x2", (MIDDLE + ARM * x).toFixed(1));
     arm.setAttribute("y2", (MIDDLE + ARM * y).toFixed(1));
-    letter.setAttribute("x", (MIDDLE + LETTER * x).toFixed(1));
-    letter.setAttribute("y", (MIDDLE + LETTER * y).toFixed(1));
-    const shown = Math.hypot(x, y) > 0.25 || dot(way, toward) > 0 ? "1" : "0.4";
+    letter.setAttribute("x", (MIDDLE + far * x).toFixed(1));
+    letter.setAttribute("y", (MIDDLE + far * y).toFixed(1));
+    const shown = size > 0.25 || dot(way, toward) > 0 ? "1" : "0.4";
     arm.setAttribute("opacity", shown);
-    letter.setAttribute("opacity", Math.hypot(x, y) > 0.2 ? shown : "0");
+    letter.setAttribute("opacity", size > 0.2 ? shown : "0");
   }
 }
 

@@ -34,7 +34,8 @@ export const powers = (text) =>
     (_, digits, power) => `${digits === "1" ? "" : `${digits}·`}10${[...power].map((one) => RAISED[one]).join("")}`,
   );
 
-export const minus = (text) => text.replaceAll("-", "−");
+/* The text with minus signs for hyphens before numbers and in exponents. */
+export const minus = (text) => text.replace(/(?<![\p{L}\p{N}_.])-(?=[\d.])|(?<=\de)-/gu, "−");
 
 /* The unit of a dimension: exponents of length and force, or "rad", "rad/length"; "" for a plain number. */
 export function unitText(dimension, units) {
