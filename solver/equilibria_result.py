@@ -152,7 +152,7 @@ class HeldSearch:
         The largest number of whole periods of beta along the rods from which it began.
     problems : int
         Dead-load problems that were solved, with all their equilibria; 0 where all loads and the bending moment at an
-        end are given, and the angle at that end was scanned.
+        end are given, and what the start leaves open was scanned.
     starts, failed : int
         Continuations from these equilibria to the held ends, and those of them that reached none.
     deflations : int
@@ -196,7 +196,7 @@ class HeldSearch:
             return self.note
         said = [
             f"not proved complete: searched over {self.ranges}",
-            *(self._counts() if self.problems else ["the angle at an end with given beta' was scanned over a turn"]),
+            *(self._counts() if self.problems else ["beta(0), or beta'(0) where beta(0) is given, was scanned"]),
         ]
         if self.outside:
             are = "equilibrium was" if self.outside == 1 else "equilibria were"

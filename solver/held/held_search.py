@@ -1,5 +1,5 @@
 """The search for equilibria with held ends: from dead loads, by mirror images, across folds and by deflation; or by a
-scan of the angle at a hinge where all loads are given.
+scan of the start where all loads and the bending moment at an end are given.
 
 No search proves that it found all of them: their number need not be finite, as a rod held at a height takes ever more
 bends under ever larger loads. The search is over stated ranges of the unknown loads and angles.
@@ -19,7 +19,9 @@ from ..branches.deflation import end_vector, is_known
 from ..branches.given_numbers import FREE, Given, OrbitState
 from ..branches.helices import helices_of
 from ..branches.orbit_rates import orbit_rates
-from ..nodes.hinges import HingedState, half_period_later, mirror_image
+from ..nodes.hinges import HingedState, half_period_later, mirror_image, rod_of, state_of
+from ..nodes.shape_search import scan_one_unknown
+from ..nodes.vertical_scan import has_one_unknown
 from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import ALIKE, FAINT, Array
 from ..orbits.boundary import Boundary, Path, boundary_of, wrap
@@ -27,7 +29,6 @@ from ..orbits.potential import TAU
 from ..problem.dimensionless import EndsProblem
 from .held_moves import across_fold, angles_along, carry, deflate, settle, within_a_turn
 from .held_sweep import Ranges, SweepPoint, ranges_of, starts_of, swept
-from .hinge_scan import states_between_hinges
 
 MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium. x10: time
 _ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
@@ -126,14 +127,15 @@ def search_equilibria(
     without a new equilibrium after which the search ends.
     """
     result = FoundStates(given, ranges_of(given, within or {}, values))
-    scanned = states_between_hinges(given)
+    rod = rod_of(given) if given.has_hinge else None
+    scanned = scan_one_unknown(rod)[0].shapes if rod is not None and has_one_unknown(rod) else []
     points = [] if scanned else swept(given, result.ranges, most_periods)
     result.problems, result.equilibria = len(points), sum(len(point.states) for point in points)
     helices, result.any_load = helices_of(given)
     for state in helices:
         result.add(state, "helix")  # first: an orbit whose swings fall to rounding is the helix
-    for state in scanned:
-        result.add(result.equilibrium_near(state), "scan")
+    for shape in scanned:
+        result.add(state_of(shape), "scan")
     if scanned:
         return result
     for starts in starts_of(points, result.ranges):

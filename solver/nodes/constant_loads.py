@@ -47,12 +47,7 @@ def shape_from(rod: LoadedRod, read: Read, problem: Any) -> Shape:
     dead = replace(rod, span=span, held=frozenset({"beta0", "betaL"}), far=np.array([0.0, lam, phi, mu]))
 
     def states(t: Array) -> Array:
-        beta, speed, alpha, z, swirl = read(t)
-        y = np.empty((t.size, 8))
-        y[:, BETA], y[:, SPEED], y[:, ALPHA], y[:, SHORT] = beta, speed, rod.near[1] + alpha, t - z
-        y[:, Q], y[:, PHI], y[:, MU] = lam - mu, phi, mu
-        y[:, ROUND] = rod.numbers[0] * mu * t - swirl + alpha
-        return y
+        return states_under(rod, t[None], (lam, mu, phi), [row[None] for row in read(t)])[0]
 
     coarse = dead.nodes()
     shape = Shape(dead, coarse, states(coarse))
@@ -60,6 +55,20 @@ def shape_from(rod: LoadedRod, read: Read, problem: Any) -> Shape:
     rate = float(np.hypot(change_rates(shape).max(), 1 / span))
     scale = np.array(scales(rate, min(1.0, rate)))
     return Shape(replace(rod, span=span).in_scales(scale), t, states(t))
+
+
+def states_under(rod: LoadedRod, t: Array, loads: Sequence[Any], along: Sequence[Array]) -> Array:
+    """The states (N, n, 8) at times t (N, n) of rods under constant loads lam, mu and phi, one or (N,) each.
+
+    along: beta, beta_t, alpha and z from 0, and the swirl, (N, n) each.
+    """
+    lam, mu, phi = (np.reshape(load, (-1, 1)) for load in loads)
+    beta, speed, alpha, z, swirl = along
+    y = np.empty((*t.shape, 8))
+    y[..., BETA], y[..., SPEED], y[..., ALPHA], y[..., SHORT] = beta, speed, rod.near[1] + alpha, t - z
+    y[..., Q], y[..., PHI], y[..., MU] = lam - mu, phi, mu
+    y[..., ROUND] = rod.numbers[0] * mu * t - swirl + alpha
+    return y
 
 
 def end_numbers(shape: Shape) -> dict[str, float]:

@@ -79,12 +79,12 @@ def state_of(shape: Shape) -> HingedState:
     """The state of a shape."""
     number = end_numbers(shape)
     problem = EndsProblem(**{name: np.array([number[name]]) for name in FREE}, span=shape.t[-1:])
-    if np.ptp(shape.y[:, BETA]) < ALIKE:  # rad by which beta of a helix varies by rounding
-        path, rates = Path(wrap(number["beta0"]), 1.0, -np.inf, 0, 0, True), rates_of_helices(problem)
-    else:
-        rates = start_rates(problem.with_start(np.array([number["dbeta0"]])))
-        path = state_from_start(rates, number["dbeta0"]).path
+    is_helix = np.ptp(shape.y[:, BETA]) < ALIKE  # rad by which beta of a helix varies by rounding
+    start = problem.with_start(np.array([number["dbeta0"]]))
+    rates = rates_of_helices(problem) if is_helix else start_rates(start)
     rates = replace(rates, problem=problem, values=np.append(end_vector(shape), np.nan)[None])
+    helix = Path(wrap(number["beta0"]), 1.0, -np.inf, 0, 0, True)
+    path = helix if is_helix else state_from_start(rates, number["dbeta0"]).path
     index, energy = index_at(shape), energy_of(shape)
     return HingedState(problem=problem, path=path, rates=rates, known_index=index, known_energy=energy, shape=shape)
 

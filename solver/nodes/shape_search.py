@@ -18,7 +18,7 @@ from .node_branch import SPLIT, NodeCurve, trace_shapes
 from .shape_index import index_at, on_nodes
 from .straight_branch import branch_from_straight
 from .varying_shapes import Shape
-from .vertical_scan import begin_at, every_start
+from .vertical_scan import begin_at, every_start, states_from
 from .weak_modes import weakest_modes
 
 
@@ -201,16 +201,7 @@ def starts(rod: LoadedRod, t: Array, first: tuple[float, float], second: tuple[f
 
 def _states_at(rod: LoadedRod, t: Array, begin: Array) -> list[Array]:
     """The states at the nodes t of rods that begin with these, (N, 8); those that stay finite."""
-    rods, count = len(begin), t.size
-    read = march(
-        rod.numbers,
-        rod.scale,
-        begin,
-        np.full(rods, rod.span),
-        first=count * np.arange(rods + 1),
-        stations=np.tile(t, rods),
-    )
-    return [y for y in read.out.reshape(rods, count, -1) if np.isfinite(y).all()]
+    return [y for y in states_from(rod, begin, t) if np.isfinite(y).all()]
 
 
 def _wound(open_: Array) -> Booleans:

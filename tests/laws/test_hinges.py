@@ -239,3 +239,11 @@ def test_no_helix_between_hinges_is_missing_by_the_rounding_of_its_angle() -> No
         case = between_hinges(0.8, 3.0, FZ=FZ, MZ=MZ, M3=M3)
         signs = np.sign(force(angles, *loads))
         assert len(helices_of(Given.of(reduce_held(case)))[0]) == np.count_nonzero(signs[1:] != signs[:-1])
+
+
+def test_two_close_equilibria_beside_a_saddle_are_in_the_list_between_hinges() -> None:
+    rod = Rod(EI=1.0, GJ=0.8, a=0.2, L=11.75923798454756)
+    ends = Ends(M10=0.0, M1L=0.8762421961143501, FZ=-3.5854892403095997, M3=-0.6402433659084887)
+    listed = equilibria(Case(rod, Cylinder(R=0.8), ends))
+    assert sum((-1) ** one.index for one in listed) == 0  # as on a circle: none is missing
+    assert "missing" not in listed.remark
