@@ -246,6 +246,28 @@ def test_a_section_of_less_than_two_turns_is_refused() -> None:
         section.figure(wound(0.9))
 
 
+def test_a_section_whose_turns_are_points_at_one_scale_is_refused() -> None:
+    with pytest.raises(InputError, match=r"its 4 turns at one scale, and these are 280 times as far apart"):
+        section.figure(wound(3.5, a=0.01))
+
+
+def test_of_more_than_twelve_rods_nine_are_read_the_first_and_the_last_among_them() -> None:
+    stored = StoredStudy(in_memory.run(study(small.axis("E", (1e4, 2e4, 17)), 'outputs = ["alpha", "z"]')))
+    for count, drawn in ((17, 9), (12, 12)):
+        chosen = drawn_rods.choose(stored.select({"E": [*range(count)]}), ("alpha", "z"))
+        assert [float(chosen.rods[k].case["E"]) for k in (0, -1)] == [*stored["E"].values[[0, count - 1]]]
+        assert len(chosen.rods) == drawn
+
+
+def test_the_states_of_a_legend_stand_in_their_order_before_lines_and_marks() -> None:
+    ax = Figure().subplots()
+    ax.plot([0, 1], "o", linestyle="None", label="a mark")
+    for name in ("a line", "helical", "sinusoidal", "straight but for slight bends"):
+        ax.plot([0, 1], label=name)
+    names = [entry.get_label() for entry in canvas.legend_entries(ax)]
+    assert names == ["straight but for slight bends", "sinusoidal", "helical", "a line", "a mark"]
+
+
 def test_a_rod_lies_on_its_level_and_a_separatrix_passes_through_the_saddles(ds) -> None:
     fig = phase_portrait.figure(StoredStudy(ds), at={"E": 1e4})
     phase, well = fig.axes

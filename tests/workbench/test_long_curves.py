@@ -33,6 +33,13 @@ def helix(length: float, pitch: float, rho: float = 0.05) -> DrawnRod:
     return DrawnRod("rod", "", arrays, rho, rho, "", StoredStudy(xr.Dataset()))
 
 
+def test_waves_that_are_rounding_beside_the_range_of_a_curve_are_no_band() -> None:
+    x = np.linspace(0, 1, 4001)
+    for size, bands in ((1e-3, 0), (1e-1, 1)):
+        y = np.exp(-20 * x) + size * np.sin(2000 * x) * (x > 0.5)
+        assert sum(part.band is not None for part in waves.stretches(x, y, 6.0)) == bands
+
+
 def test_only_a_rod_that_would_be_a_hair_is_set_in_lines() -> None:
     assert unrolled.lines_of(helix(300, 9.0), ROOM, SMALL) is not None
     assert unrolled.lines_of(helix(5, 9.0), ROOM, SMALL) is None  # 25 diameters high

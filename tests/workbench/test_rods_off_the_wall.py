@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -72,6 +73,23 @@ def test_a_cable_of_tension_and_lay_may_leave_its_drum(capsys) -> None:
     cable = "--length-unit mm --E 2e5 --nu 0.3 --a 6 --L 1300 --R 200 --tension 5000 --lay 80deg --contact unilateral"
     assert exit_status("solve", *cable.split()) == 0
     assert "found from the bilateral shape" in capsys.readouterr().out
+
+
+def test_point_forces_no_larger_than_their_errors_are_counted_alone(monkeypatch) -> None:
+    words = [("8.1", "3.01"), ("12", "0.07 ± 0.073"), ("91.9", "3.01")]
+    sol = SimpleNamespace(point_forces=[(8.1, 3.01), (12.0, 0.07), (91.9, 3.01)])
+    monkeypatch.setattr(free_rod_words, "point_forces", lambda _: words[: len(sol.point_forces)])
+    for errors, said in (
+        ([0.1, 0.073, 0.1], "3.01 kN at 8.1, 3.01 kN at 91.9 m; 1 more no larger than its error"),
+        ([4.0, 0.073, 4.0], "3 no larger than their errors"),
+        ([0.1, 0.01, 0.1], "3.01 kN at 8.1, 0.07 ± 0.073 kN at 12, 3.01 kN at 91.9 m"),
+    ):
+        monkeypatch.setattr(free_rod_words, "_errors_of_forces", lambda _, errors=errors: errors)
+        found = free_rod_words.forces_in_words(sol, {"length": "m", "force": "kN"})
+        assert found == [f"point forces of the wall: {said}"]
+    sol.point_forces = []
+    monkeypatch.setattr(free_rod_words, "_errors_of_forces", lambda _: [])
+    assert free_rod_words.forces_in_words(sol, {"length": "m", "force": "kN"}) == []
 
 
 def test_loads_that_hold_a_rod_off_the_wall_have_an_error_in_json_and_in_files(capsys) -> None:

@@ -225,7 +225,7 @@ def test_the_bands_of_a_well_lie_between_the_limits_of_a_long_pipe() -> None:
     track = well_tracks.figure(StoredStudy(study_kinds.well()), at={"wob": 210.0}).axes[0]
     bands = {str(band.get_label()): band.get_bbox() for band in track.patches}
     limits = [float(label.split("> ")[1].removesuffix(" kN")) for label in bands]
-    assert [label.split(" >")[0] for label in bands] == ["sinusoid", "or helix", "only helix"]
+    assert [label.split(" >")[0] for label in bands] == ["sinusoid", "or helix", "sinusoid lifts off"]
     ends = np.array([(-box.x1, -box.x0) for box in bands.values()])
     np.testing.assert_allclose(ends[:, 0], limits, rtol=5e-4)  # labels have four digits
     np.testing.assert_allclose(ends[:-1, 1], ends[1:, 0])

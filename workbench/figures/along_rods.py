@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D
 
 from solver.problem.errors import InputError, check_known
@@ -42,7 +43,13 @@ PULLS: dict[str, Any] = {
     "markeredgewidth": 0.5,
     "linestyle": "none",
 }
-MOST, MOST_PANELS = 60, 6
+OFF_WALL: dict[str, Any] = {
+    "color": colours.LIGHTEST,
+    "label": "off the wall",
+    "gid": "off the wall",
+    "path_effects": [withStroke(linewidth=2.4, foreground=colours.SOFT)],
+}
+MOST, MOST_PANELS = 60, 6  # rods of a map; panels
 CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
 # inches: of one curve, alone or beside other panels; of a panel, least and most; of all panels on a narrow sheet
 EACH, TALL, NARROW = (0.55, 0.45), (1.9, 7.2), (1.0, 6.0)
@@ -90,7 +97,8 @@ def figure(
     names = names[:MOST_PANELS]
     if STATES in names and not stored.loads_vary:
         raise InputError(f"{NO_STATES}, and the rods of this file have none; choose --kind ridge or pipe")
-    rods = drawn_rods.choose(stored, list(dict.fromkeys(a for n in names for a in ARRAYS.get(n, (n,)))), x, at, MOST)
+    arrays = dict.fromkeys(a for n in names for a in ARRAYS.get(n, (n,)))
+    rods = drawn_rods.choose(stored, [*arrays], x, at, MOST if names == [PIPE] else None)
     no_states = [f"No states: {NO_STATES}."] * (PIPE in names and not stored.loads_vary)
     notes = [*rods.said(), *rods.notes, *no_states]
     notes += [pipe_map.SLIGHT_BENDS] * (rods.source.loads_vary and not {STATES, PIPE}.isdisjoint(names))
@@ -297,6 +305,10 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
         if curves.name in ("push", PIPE):
             for of in _unbroken(s, values, inches) if curves.name == PIPE else [slice(0, s.size)]:
                 said += push_scale.line(ax, s[of], values[of], push[of], norm, width, rod.name, where, order, inches)
+            if curves.name == PIPE and rods.source.leaves:
+                off = np.where(push > 0, np.nan, values)
+                off[1:][np.abs(np.diff(values)) > 180] = np.nan
+                ax.plot(s, off, **OFF_WALL, linewidth=width, transform=where, zorder=order + 0.01)
         elif curves.name != STATES:
             look = {"color": shades[k], "linewidth": 1.1, "gid": rod.name}
             said += waves.draw(ax, s, values, inches, look, where, order)
@@ -365,7 +377,8 @@ def _bar(ax: Axes, curves: Curves) -> None:
         clip_on=False,
         transform=where,
     )
-    ax.annotate(f"{labels.number(length)}{curves.unit.replace(' 1/', '/')}", (1.01, top - length / 2), (3, 0), where,
+    words = labels.powers_of_ten(labels.number(length)) + curves.unit.replace(" 1/", "/")
+    ax.annotate(words, (1.01, top - length / 2), (3, 0), where,
                 "offset points", va="center", rotation=90, size=fonts.small(), annotation_clip=False)  # fmt: skip
-    foot = f"; line: {labels.number(curves.foot)}{curves.unit}" if curves.foot else ""
+    foot = f"; line: {labels.powers_of_ten(labels.number(curves.foot))}{curves.unit}" if curves.foot else ""
     ax.set_title(fonts.wrap(f"{curves.title}{foot}", ax), loc="left")

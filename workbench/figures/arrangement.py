@@ -218,12 +218,18 @@ class _Row:
 
 
 def in_rows(
-    count: int, arranged: Callable[[int, int], Arrangement], most: int, width: float, worth: float = WORTH
+    count: int,
+    arranged: Callable[[int, int], Arrangement],
+    most: int,
+    width: float,
+    worth: float = WORTH,
+    flat: float = 1.0,
 ) -> tuple[int, Arrangement]:
     """The number of columns, and the arrangement, in which so many boxes are largest, nearly so in fewer rows.
 
     arranged: the arrangement in so many rows and columns. most: rows that are tried. width: what it may have.
-    worth: a scale so many times larger is worth another row.
+    worth: a scale so many times larger is worth another row. flat: the height of boxes over the least that is read, at
+    one scale: lower ones are drawn higher in more columns.
     """
     best: tuple[int, Arrangement] | None = None
     largest = 0.0
@@ -233,7 +239,7 @@ def in_rows(
             continue
         layout = arranged(rows, columns)
         fits = layout.size[0] <= width + 1e-6
-        seen = layout.scale * min(layout.factor, 1.0)
+        seen = layout.scale * min(layout.factor, layout.factor * flat, 1.0)
         if best is None or best[1].size[0] > width + 1e-6 or (fits and seen > worth * largest):
             best, largest = (columns, layout), seen
     assert best is not None

@@ -77,7 +77,8 @@ def of_cases(
         values = stored.of_solved(name)
         sizes = np.array([float(labels.in_label_unit(values, values.isel(case).values)) for case in cases])
         none = ["no number" if bool(stored["solved"].isel(case)) else "unsolved" for case in cases]
-        numbers = map(labels.number, sizes) if name in stored.counts else labels.alike(sizes)
+        errors = [float(labels.in_label_unit(values, stored.errors_of(name).isel(case).values)) for case in cases]
+        numbers = map(labels.number, sizes) if name in stored.counts else labels.column(sizes, errors)
         texts = [
             labels.minus_signs(text) if np.isfinite(size) else why
             for text, size, why in zip(numbers, sizes, none, strict=True)
@@ -155,7 +156,7 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
         row, shown, rest = stored.part(observable=name), effects[name][:MOST], effects[name][MOST:]
         sizes = np.array([effect for _, effect in shown])
         rises = [int(size > 0) for size in sizes]
-        texts = [f"{'−+'[k]}{text}" for k, text in zip(rises, labels.alike(abs(sizes), 2), strict=True)]
+        texts = [f"{'−+'[k]}{text}" for k, text in zip(rises, labels.column(abs(sizes), digits=2), strict=True)]
         draw(
             ax,
             [_tick(stored, field) for field, _ in shown],
@@ -223,7 +224,9 @@ def draw(
         room = ROOM * (high - low or 1.0)
         ax.set_xlim(low - (room if low < 0 else room / 6), high + (room if high > 0 else room / 6))
         ax.xaxis.set_major_locator(RoomLocator("counts" if integer else "numbers"))
-    ax.set_yticks(at, rows)
+    ax.set_yticks(at, [labels.mathematical(row) for row in rows])
+    for word in ax.get_yticklabels():
+        word.set_parse_math(True)
     ax.set_ylim(len(rows) - 0.4, -0.6)
     ax.tick_params(axis="y", length=0, labelcolor=colours.INK, labelsize=fonts.small())
     ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=4)

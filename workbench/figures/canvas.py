@@ -33,7 +33,7 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import fonts, legend_room
 from .axis_scales import RoomLocator, Ticks
-from .colours import INK, SOFT
+from .colours import INK, SOFT, STATES
 from .fonts import DPI, RC
 from .print_heights import TALLEST, heighten_axes, resize
 from .sheet import SCREEN, Sheet
@@ -300,10 +300,14 @@ def add_legend(ax: Axes, most: float = np.inf, **where: Any) -> None:
 
 
 def legend_entries(ax: Axes) -> list[Any]:
-    """The labelled artists of axes: lines and areas in their order, then marks."""
-    return sorted(
-        ax.get_legend_handles_labels()[0], key=lambda one: isinstance(one, Line2D) and one.get_linestyle() == "None"
-    )
+    """The labelled artists of axes: states in their order, other lines and areas as they are drawn, then marks."""
+    order = {word: k for k, word in enumerate(STATES)}
+
+    def rank(one: Any) -> tuple[bool, int]:
+        is_mark = isinstance(one, Line2D) and one.get_linestyle() == "None"
+        return is_mark, order.get(str(one.get_label()).partition(" but ")[0], len(order))
+
+    return sorted(ax.get_legend_handles_labels()[0], key=rank)
 
 
 def write_below(fig: Figure, said: Said) -> None:

@@ -1,7 +1,7 @@
 """The dimensions of a drawing: lines with arrows between extension lines, leaders, angles, and point forces."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -26,13 +26,18 @@ PLATE: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 1}
 Length = Callable[[str, float], str]  # the name of a quantity and its value, in words with its unit
 
 
-def dimension(ax: Axes, view: Views, first: Any, last: Any, text: str, away: float) -> None:
-    """A dimension line with its extension lines, so many millimetres to the left of what it measures, or above it."""
+def dimension(
+    ax: Axes, view: Views, first: Any, last: Any, text: str, away: float, starts: Sequence[float] = ()
+) -> None:
+    """A dimension line with its extension lines, so many millimetres to the left of what it measures, or above it.
+
+    starts: how far up the extension lines begin [length]; default: at what it measures.
+    """
     upright = first[0] == last[0]
     shift = np.array([-away, 0.0] if upright else [0.0, away]) / view.mm
-    for end in (first, last):
+    for end, start in zip((first, last), starts or (first[1], last[1]), strict=True):
         beyond = np.array(end) + shift * (1 + BEYOND / abs(away))
-        ax.plot(*np.transpose([end, beyond]), color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
+        ax.plot(*np.transpose([(end[0], start), beyond]), color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
     p, q = np.array(first) + shift, np.array(last) + shift
     canvas.draw_arrow(ax, q, p, BETWEEN, width=FINE, order=5)
     beside = ("right", "center") if upright else ("center", "bottom" if away > 0 else "top")
@@ -53,13 +58,13 @@ def dimension_pitch(ax: Axes, view: Views, top: float, pitch: float, unit: Lengt
             return
 
 
-def dimension_rod(ax: Axes, view: Views, a: float, unit: Length) -> None:
+def dimension_rod(ax: Axes, view: Views, a: float, text: str) -> None:
     """The diameter of the rod, at a leader to its outer edge where it is first seen."""
     k = int(np.argmax(view.near >= 0))
     away = 1.0 if view.y[k] >= 0 else -1.0
     place = float(view.x[k]), float(view.y[k]) + away * a
     words = place[0] - LEADER[0] / view.mm, place[1] + away * LEADER[1] / view.mm
-    _lead(ax, place, words, f"Ø {unit('a', 2 * a)}", "right")
+    _lead(ax, place, words, text, "right")
 
 
 def _lead(ax: Axes, place: Any, words: Any, text: str, across: str) -> None:

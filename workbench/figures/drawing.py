@@ -110,13 +110,15 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         ax.set_ylim(top - ((high - title) * MILLIMETRES - ABOVE) / view.mm, top + ABOVE / view.mm)
         _draw_body(ax, view, R, rod.a, side)
         edge = first - SPARE / view.mm
-        dimension(ax, view, (edge, -R), (edge, R), f"Ø {unit('R', 2 * R)}", AWAY)
+        dimension(ax, view, (edge, -R), (edge, R), _diameter("R", 2 * R, chosen.units), AWAY)
         if view.squeeze == 1:
             dimension_pitch(ax, view, view.ends[1], pitch, unit)
         if view.whole and abs(height) * view.mm > THICK:
-            low = view.ends[0]
-            dimension(ax, view, (view.x[0], low), (view.x[-1], low), unit("L", abs(height)), -AWAY)
-        dimension_rod(ax, view, rod.a, unit)
+            low, words = view.ends[0], unit("L", abs(height))
+            dimension(
+                ax, view, (view.x[0], low), (view.x[-1], low), words, -AWAY, [view.foot(k, R, rod.a) for k in (0, -1)]
+            )
+        dimension_rod(ax, view, rod.a, _diameter("a", 2 * rod.a, chosen.units))
         if lay := _lay(view):
             dimension_lay(ax, view, rod.a, lay)
         if free:
@@ -152,7 +154,8 @@ def _words(
     parts += [] if view.whole else [f"along the axis {unit('L', abs(height))}"]
     if wrap := _wrap(rod, free):
         error = math.degrees(free_rod_words.length_error(free) / rod.rho) if free else 0.0
-        parts += [f"wrap {within(wrap / 360, error / 360)} turns = {within(wrap, error)}°"]
+        whole = f"{within(wrap / 360, error / 360)} turns = " * (abs(wrap) >= 360)
+        parts += [f"wrap {whole}{within(wrap, error)}°"]
     if free:
         (turns,) = (float(value) for value in drawn_rods.numbers(chosen, "turns_around"))
         parts += [f"azimuth of the end {plain(360 * turns)}°"]
@@ -182,6 +185,12 @@ def _wrap(rod: drawn_rods.DrawnRod, free: Solution | None) -> float:
     """
     edges = np.array(free.contacts if free else [rod["s"][[0, -1]]]).reshape(-1, 2)
     return float(np.degrees(np.diff(np.interp(edges, rod["s"], rod["alpha"])).sum()))
+
+
+def _diameter(name: str, size: float, units: Mapping[str, str]) -> str:
+    """A diameter in words; below 1 m in mm where lengths are in m, as a workshop states it."""
+    in_mm = units["length"] == "m" and size < 1
+    return f"Ø {plain(1e3 * size)} mm" if in_mm else f"Ø {value_with_unit(name, size, units)}"
 
 
 def _lay(view: Views) -> str:
@@ -289,7 +298,8 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
                 ax.plot(view.x[on], view.y[on], color=colour, linewidth=width, solid_joinstyle="round", snap=False,
                         solid_capstyle="round", zorder=order + 0.01, label=CASING)  # fmt: skip
 
-    for of in _parts(view, front=False):
+    as_one = view.squeeze < 1 and side == "inside"  # all of the rod, which is one polygon without seams
+    for of in _parts(view, front=False) if not as_one else ():
         strand(of, behind, "rod, behind the plane of the axis")
     ax.add_patch(Rectangle((low, -R), high - low, 2 * R, facecolor=colours.CUT, edgecolor="none", zorder=2))
     for y in (-R, R):
@@ -308,8 +318,8 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
             wide = np.array([beside[runs == run].max() > SLIVER / view.mm for run in range(runs[-1] + 1)])
             seen = np.where((beside > 0) & wide[runs], right, np.nan)
             ax.plot(seen, up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3, gid="hidden edge")
-    for of in _parts(view, front=True):
-        strand(of, 4, "rod, before the plane of the axis")
+    for of in [slice(0, view.x.size)] if as_one else _parts(view, front=True):
+        strand(of, 4, "rod" if as_one else "rod, before the plane of the axis")
     sections = 2 * a * view.mm >= HAIR and view.x.size > 1 and view.squeeze == 1
     for k in ((0, 1), (-1, -2))[: 1 + view.whole] if sections else ():
         _draw_section(ax, view, k, a, R, 4 if view.near[k[0]] >= 0 else behind, side == "outside")
@@ -319,11 +329,10 @@ def _draw_squeezed(ax: Axes, view: Views, of: slice, a: float, order: float, nam
     """A part of the rod where lengths along the axis are compressed: its edges are as far apart as it is thick. Waves
     that are too narrow are the band that they cover."""
     x, y = view.x[of], view.y[of]
-    for part in waves.stretches(x, y, view.mm / MILLIMETRES):
-        at, low, high = part.band or (x[part.of], y[part.of], y[part.of])
-        ax.fill_between(at, low - a, high + a, facecolor="white", edgecolor="none", zorder=order, gid=name)
-        for edge in (low - a, high + a):
-            ax.plot(at, edge, color=colours.INK, linewidth=EDGE, zorder=order, gid=name)
+    at, low, high = waves.outline(x, y, view.mm / MILLIMETRES)
+    ax.fill_between(at, low - a, high + a, facecolor="white", edgecolor="none", zorder=order, gid=name)
+    for edge in (low - a, high + a):
+        ax.plot(at, edge, color=colours.INK, linewidth=EDGE, zorder=order, gid=name)
     for k in {0, view.x.size - 1} & {of.start, of.stop - 1}:
         ax.plot(
             view.x[[k, k]], view.y[k] + [-a, a], color=colours.INK, linewidth=EDGE, zorder=order, gid="end of the rod"

@@ -22,6 +22,7 @@ from ..words import labels
 STATIONS = 1000  # along each rod at least, two for each pixel of a panel
 POINTS = 60_000  # of all rods together, which those are tried first have at most
 FEW = 3  # values that are not shown are named
+READ, SPREAD = 12, 9  # rods of which each is read in a figure; of more, so many are drawn
 ROUNDS = 6  # each finds more stations where the round before saw that a curve or a colour needs them
 SHADES = 256  # a curve, and so a colour, may be off by one part in so many of its range
 LEAST = 1e-300  # above zero
@@ -120,7 +121,7 @@ def choose(
     names: Sequence[str],
     axis: str | None = None,
     at: Mapping[str, float] | None = None,
-    most: int = 60,
+    most: int | None = None,
 ) -> DrawnRods:
     """The rods along an axis, at most so many, of places spread along it.
 
@@ -134,8 +135,8 @@ def choose(
         Default: the first axis of several values that `at` leaves; one rod where it leaves none.
     at : mapping, optional
         The values of other axes; an axis that is not named stays where the laws or Table 1 put it.
-    most : int
-        Number of rods.
+    most : int, optional
+        Number of rods; default: all up to `READ` of them, of more `SPREAD`.
 
     Raises
     ------
@@ -153,6 +154,8 @@ def choose(
             )
     else:
         axis = next((name for name in stored.varied if name not in at), None)
+    if axis and most is None:
+        most = READ if stored.sizes[axis] <= READ else SPREAD
     cases = stored.places(axis, at, most) if axis else [stored.place(at)]
     held = {name: i for name, i in cases[0].items() if name != axis}
     chosen = stored.select(held | ({axis: [case[axis] for case in cases]} if axis else {}))

@@ -22,7 +22,9 @@ from .sheet import Sheet
 LEAST = 13  # rods: fewer have a curve each
 TALL = 2.6  # inches of a panel
 WORDS = {STRAIGHT: "straight but for slight bends"}  # of a state in a legend, where they are more than its name
-SLIGHT_BENDS = f"A bend is slight that goes less than {BENT:g} rad around, or that dies away from an end of the rod."
+SLIGHT_BENDS = (
+    f"A bend, or its tail, is slight that goes less than {BENT:g} rad around, or dies away from an end of the rod."
+)
 
 
 def states_of(rods: DrawnRods, rod: DrawnRod) -> Sequence[Any]:

@@ -18,6 +18,7 @@ from studies.laws.line_verdicts import FAILS
 from ..geometry.centreline import Centreline
 from ..stored.stored_study import StoredStudy
 from ..words import labels
+from ..words.unit_habits import plain
 from . import canvas, colours, fonts
 from .sheet import SCREEN, Sheet
 
@@ -26,6 +27,7 @@ SEEN, ABOVE = 2.5, 2.8  # radii of the rod: of the cylinder that is drawn, and o
 WORDS, LINE = 1.5, 1.5  # from the middle of the rod to the size of a gap, in its radii; room for it, in its letters
 LEAST_PART = 0.05  # of a turn: nearer to its ends a rod is not cut
 HIGH = 2.4  # inches of the panel at most
+LEAST = 0.04  # inches of a turn, below which nothing of it and of its distance from the cylinder is read
 
 Window = tuple[tuple[float, float], tuple[float, float]]  # along the axis, and away from it [length]
 
@@ -90,6 +92,12 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     gaps = section.gaps
     wide = sheet.width - 0.9
     across, upward = window = _window(line, section, wide)
+    if 2 * line.a * wide / np.ptp(across) < LEAST:
+        apart = plain(gaps.mean() / (2 * line.a), 2)
+        raise InputError(
+            f"a section shows its {gaps.size + 1} turns at one scale, and these are {apart} times as far apart "
+            "as they are thick: choose --kind drawing or curves"
+        )
     high = min(wide * np.ptp(upward) / np.ptp(across), HIGH)
     case = stored.equations(where)
     held = [f"The rod: {case}."] if case else []

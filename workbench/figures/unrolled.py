@@ -34,7 +34,6 @@ from .halo import Halo
 from .sheet import SCREEN, Sheet
 
 NAMES = ("alpha", "z", "push")
-MOST = 60
 TALLEST = 0.78  # the height of all views of a figure as a share of its width
 STRIPS, LEAST_STRIP = (0.75, 0.42), 0.9  # height over a narrow and another width of a sheet; inches in print at least
 LABELS = 0.35  # inches below and above views in a panel
@@ -43,7 +42,7 @@ WORDS, ABOVE = 1.3 / 72, 0.06  # inches of a line of words per point of its size
 SMALLEST = 0.1  # inches of the largest view
 WORTH = 1.7  # a scale so many times larger is worth another row of a list
 HAIRLINE, TINY = 1.1 / 72, 1e-12  # inches of the width of a line; no length
-LEAST = 0.12  # inches of a view, below which one direction is drawn larger
+LEAST, FLAT = 0.12, 1 / 25  # inches of a view, and share of its other direction, below which one is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches of all upwards at most
 REACH = 2.0  # radii of the rod between a ring and its line at most: two stretches overlap within one radius of it
@@ -67,7 +66,8 @@ HAIR = 0.3  # inches: a rod less wide is a hair
 MOST_WIDE = 1.15  # of the width that the rod needs is that of a line
 SEEN = 0.05  # radii of the rod: a smaller gap is not seen
 GAP_LINE = "a thin line is as far above it as it is off the wall"
-EDGES, TICK = "A tick marks where a contact begins or ends.", 0.05  # inches of half a tick
+EDGES = "A tick marks where a contact along a length begins or ends; touches at a point have none."
+TICK, MOST_EDGES = 0.05, 100  # inches of half a tick; ticks of a rod, beyond which they would hide it
 DENSE = 4  # places for each station, so that a rod leaves a line at its edge
 
 Values = NDArray[np.float64]
@@ -179,7 +179,8 @@ def plan(
         return replace(layout, factor=factor)
 
     worth = arrangement.WORTH if even else WORTH
-    return arrangement.in_rows(len(boxes), arrange, len(boxes), room[0], worth)[1]
+    flat = tall / (FLAT * wide) if tall > STRAIGHT * wide > 0 else 1.0
+    return arrangement.in_rows(len(boxes), arrange, len(boxes), room[0], worth, flat)[1]
 
 
 def plan_lines(views: Sequence[UnrolledView], room: tuple[float, float], foot: tuple[float, float]) -> Arrangement:
@@ -249,9 +250,9 @@ def stretch(wide: float, tall: float, room: tuple[float, float]) -> float:
     if min(wide, tall) <= STRAIGHT * max(wide, tall):
         return 1.0
     across, up = room[0] / wide, room[1] / tall  # inches per length that would fill the room
-    if tall * across < LEAST and up > across:
+    if tall * across < max(LEAST, FLAT * room[0]) and up > across:
         return _one_digit(up / across)
-    if wide * up < LEAST and across > up:
+    if wide * up < max(LEAST, FLAT * room[1]) and across > up:
         return 1 / _one_digit(across / up)
     return 1.0
 
@@ -304,7 +305,7 @@ def figure(
         As of `drawn_rods.choose`, and for an unknown panel.
     """
     sheet.choose(["curves"])
-    rods = drawn_rods.choose(stored, NAMES, x, at, MOST)
+    rods = drawn_rods.choose(stored, NAMES, x, at)
     room = sheet.width - BESIDE, TALLEST * sheet.width
     panel = panel_of(rods, room, sheet.small, bar=rods.source.units)
     said = [*rods.said(), *rods.notes]
@@ -513,8 +514,11 @@ def panel_of(
         )
         if is_too_long:
             notes.append(f"The rod {TOO_LONG}." if rods.axis is None else f"The rod of {rod.name} {TOO_LONG}.")
-        winds = winds or bool(view.over)
-        views.append(replace(view, over=[*view.over, *gap_lines(rod)], edges=edges_of(rod)))
+        winds, edges = winds or bool(view.over), edges_of(rod)
+        if len(edges) > MOST_EDGES:
+            notes.append(f"{len(edges)} ticks would hide the rod{f' of {rod.name}' * bool(rod.value)}: it has none.")
+            edges = []
+        views.append(replace(view, over=[*view.over, *gap_lines(rod)], edges=edges))
     notes = [*[AROUND] * winds, *off_wall(rods.solved), *[EDGES] * any(view.edges for view in views), *notes]
     return UnrolledPanel(views, room, letters, unit, even=True, notes=notes, bar=bar)
 

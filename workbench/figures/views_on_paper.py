@@ -20,6 +20,8 @@ from .drawn_rods import DrawnRod
 from .sheet import MILLIMETRES, Sheet
 
 SCALES = [step * 10.0**power for power in range(9, -10, -1) for step in (5.0, 2.0, 1.0)]  # of a drawing, falling
+ALONG = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)  # of the scale along a compressed axis, 1 to one of these
+NEAR = 2.0  # millimetres along the axis from the end of a rod, within which its extension line stands clear of it
 LEFT, ABOVE, BELOW = 24.0, 15.0, 24.0  # millimetres on paper around the views
 RIGHT = (12.0, 4.0)  # of them, on a wide and on a narrow sheet
 HIGH = (110.0, 70.0)  # of the cylinder with its rod at most, on a wide and on a narrow sheet
@@ -107,6 +109,11 @@ class Views:
         side = float(np.ptp(self.x)) * self.mm
         return side if self.forces is None else side + SPARE + APART + float(np.ptp(self.box[:, 0]))
 
+    def foot(self, k: int, R: float, a: float) -> float:
+        """The lowest place of cylinder and rod about an end of the rod, k: 0 or -1 [length]."""
+        about = np.abs(self.x - self.x[k]) * self.mm <= NEAR
+        return min(-R, float(self.y[about].min()) - a)
+
     @property
     def middle(self) -> Values:
         """Where the axis is in the end view, to the right and upwards, (2,) [length]."""
@@ -174,12 +181,18 @@ def views_of(
     end, squeeze = np.stack([near, y], axis=1), 1.0
     if arrows is None and np.ptp(end[:k], axis=0).max() < rod.a:  # the part of a rod that is whole would be a bar
         scale = next((low for low in fits if np.ptp(box(low, None)[:, 1]) <= LOW), SCALES[-1])
-        squeeze, k = min(room / (float(np.ptp(x)) * mm * scale), 1.0), s.size
+        squeeze, k = min(_round_scale(room / (float(np.ptp(x)) * mm)) / scale, 1.0), s.size
     x, y, near, beta = (values[:k] for values in (squeeze * x, y, near, beta))
     whole = k == s.size
     return Views(
         x, y, near, beta, s, end, scale, mm * scale, whole, low_side, ends, box(scale, arrows), arrows, squeeze
     )
+
+
+def _round_scale(scale: float) -> float:
+    """The largest scale of round numbers that is no larger than this one."""
+    power = 10.0 ** math.floor(-math.log10(scale))
+    return 1 / (power * next(step for step in ALONG if step * power * scale >= 1 - LEVEL))
 
 
 def _dense(rod: DrawnRod) -> tuple[Values, Values, Values]:

@@ -15,6 +15,7 @@ from studies.laws.line_verdicts import NOISE
 
 LEAST = 0.04  # inches of a wave: four pixels of a screen
 FEW = 4  # waves one after the other that are less than a band
+SEEN = 1 / 256  # of the range of a curve: lower waves are rounding, or are not seen
 EDGE, PALE = 0.6, 0.5  # points of the edges of a band; opacity of what is between them
 BEHIND = 0.02  # of the order of drawing: what stands on a curve stands on its band
 SHADES = 512  # of a band whose colour says its height
@@ -46,13 +47,13 @@ def stretches(x: Values, y: Values, inches: float) -> Iterator[Stretch]:
     moves = np.flatnonzero(sign)
     turns = np.concatenate([[0], moves[1:][np.diff(sign[moves]) != 0], [y.size - 1]])
     wide = (x[turns[2:]] - x[turns[:-2]]) * inches >= LEAST
-    is_level = np.ptp(y) <= NOISE * np.abs(y).max()  # but for rounding, whose waves nobody sees
-    if wide.all() or is_level or (np.diff(x) <= 0).any():
+    if wide.all() or (np.diff(x) <= 0).any():
         yield Stretch(slice(0, x.size))
         return
     narrow = np.append(~wide, False) | np.append(False, ~wide)  # from each turn to the next
+    heights, least = np.abs(np.diff(y[turns])), max(SEEN * np.ptp(y), NOISE * np.abs(y).max())
     for first, last in pairwise(_cuts(narrow)):
-        narrow[first:last] &= last - first >= 2 * FEW
+        narrow[first:last] &= last - first >= 2 * FEW and heights[first:last].max() > least
     cuts = _cuts(narrow)
     for first, last in pairwise(cuts):
         of = slice(int(turns[first]), int(turns[last]) + 1)

@@ -42,11 +42,12 @@ NEXT = 1.3  # of the largest compression: up to there a limit that is not reache
 MARGIN = 0.06  # of the range of a track
 CLOSE = 0.7  # points of a curve beside a band
 STEEP = 0.5**0.5  # of s, 45 degrees up: holes that are drilled climb less
+DOT = 0.07  # inches of a dot
 STRIP = 1.06, 1.14  # where the states stand beside a track, in its width
 BANDS = (
     ("sinusoid", colours.STATES["sinusoidal"], 0.22),
     ("or helix", "#7f9fa6", 0.3),
-    ("only helix", colours.STATES["helical"], 0.28),
+    ("sinusoid lifts off", colours.PULLED, 0.3),
 )
 JUMP = "jumps to another shape"
 AXIAL = "axial, tension positive"
@@ -152,9 +153,7 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
         inner = f"; a wave away from the ends it is at most {most} {unit}" * (name == PUSH)
         said.append(f"Largest {WORDS[name]}: {plain(value)} {unit} at {plain(at)} {length}{inner}.")
     if GAP in tracks:
-        pairs = free_rod_words.point_forces(rod.case.at())
-        each = [f"{force} {tracks[FORCE][0]} at {s} {length}" for s, force in pairs]
-        said += [f"Point forces of the wall: {', '.join(each)}."] * bool(each)
+        said += [f"P{text[1:]}." for text in free_rod_words.forces_in_words(rod.case.at(), rod.case.units)]
     limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_words.limits(case)]
     if limits:
         said.append(f"Compression of a long pipe without friction, {tracks[FORCE][0]}: {', '.join(limits)}.")
@@ -358,13 +357,14 @@ def _draw_slack_off(
     for k in jumps:
         ax.plot(slack[order][k - 1 : k + 1], bit[order][k - 1 : k + 1], color=colours.DATA, linewidth=0.8,
                 linestyle=(0, (1, 2)), label=JUMP)  # fmt: skip
-    if slack.size <= trends.MOST_DOTS:
-        ax.scatter(slack, bit, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
     k = place[load]
     ax.plot(slack[k], bit[k], "o", fillstyle="none", markersize=8, color=colours.INK, label="the drawn pipe",
             clip_on=False)  # fmt: skip
     known = np.isfinite(slack) & np.isfinite(bit)
     ends = np.array([min(0.0, bit[known].min()), bit[known].max()])
+    apart = np.diff(np.sort(slack[known])).mean() / np.ptp([*slack[known], *ends]) if slack[known].size > 1 else 1.0
+    if slack.size <= trends.MOST_DOTS and apart * fonts.inches(ax)[0] > DOT:
+        ax.scatter(slack, bit, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
     ax.plot(ends, ends, color=colours.SOFT, linewidth=0.8, linestyle=(0, (4, 3)), label="without friction")
     force = labels.unit(stored.units["force"])
     most = float(np.nanmin(arriving)) if np.isfinite(arriving).any() else np.inf

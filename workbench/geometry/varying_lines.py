@@ -15,7 +15,6 @@ from solver.orbits import frames
 from .centreline import EASED, Array, Centreline, cut, spline
 
 FREE_ORDER = 3  # of the errors of a spline through places, in their distance: the shear jumps at edges of contact
-MOST_EDGES = 24  # of contacts of a rod, beyond which marks of them would hide it
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +169,7 @@ def _unit(vectors: Array) -> Array:
 def contact_edges(s: Array, push: Array) -> Array:
     """Where contacts with a cylinder that only pushes begin or end, (k,) [length], of stations s and push (n,).
 
-    Each is in the middle between two stations. None of a rod that is pulled, so held on, or has more than `MOST_EDGES`.
+    Each is in the middle between two stations. None of a rod that is pulled, so held on.
     """
     last = np.flatnonzero(np.diff(push > 0))
-    return (s[last] + s[last + 1]) / 2 if last.size <= MOST_EDGES and not (push < 0).any() else s[:0]
+    return (s[last] + s[last + 1]) / 2 if not (push < 0).any() else s[:0]

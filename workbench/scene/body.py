@@ -26,6 +26,7 @@ from .scene_kinds import Paint, SceneKind
 STRIPE = 3  # one side in so many is painted
 ARROW = 1.4  # radii of the cylinder: the length of the arrow of the largest force
 SEEN = 0.05  # radii of the rod: a smaller gap is not seen
+MOST_EDGES = 24  # of contacts of a rod, beyond which marks of them would hide it
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +173,8 @@ class Body:
         if not isinstance(self.line, varying_lines.FreeLine):
             return []
         s = varying_lines.contact_edges(self.line.s, self.line.push(self.line.s))
+        if s.size > MOST_EDGES:
+            return []
         for at, *_ in self.point_forces:
             s = s[np.abs(s - at) > self.line.L / (self.line.s.size - 1)]
         s = s[(s > self.span[0]) & (s < self.span[1])]

@@ -1,6 +1,7 @@
 """A rod that may leave the cylinder, in words: where it lies on the wall, and what letting it go did."""
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,10 +33,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     percent = known_to(100 * share, 100 * numbers["contact_share_error"], 100 * share)
     touches = f"lies on {percent} % of its length on the wall," if share else "touches the wall"
     said = [f"the rod {touches} {where}; it is {gap}"]
-    if sol.point_forces and len(sol.contacts) <= MOST:
-        each = ", ".join(f"{value} {force} at {s}" for s, value in point_forces(sol))
-        said.append(f"point forces of the wall: {each} {length}")
-    return said + held
+    return [*said, *forces_in_words(sol, units), *held]
 
 
 def hinges_on_wall(sol: "Solution", unit: str) -> list[str]:
@@ -57,10 +55,27 @@ def places_of_contact(sol: "Solution", length: str) -> str:
     return "at s = " + ", ".join(low if low == high else f"{low} to {high}" for low, high in each) + f" {length}"
 
 
+def forces_in_words(sol: "Solution", units: Mapping[str, str]) -> list[str]:
+    """The point forces of the wall that are larger than their errors, and how many are not, in a sentence; none without
+    any."""
+    errors, each = _errors_of_forces(sol), point_forces(sol)
+    known = [words for words, (_, size), error in zip(each, sol.point_forces, errors, strict=True) if size > error]
+    said = [", ".join(f"{size} {units['force']} at {s}" for s, size in known) + f" {units['length']}"] * bool(known)
+    others = len(each) - len(known)
+    said += [f"{others} {'more ' * bool(known)}no larger than {'its error' if others == 1 else 'their errors'}"]
+    return [f"point forces of the wall: {'; '.join(said[: None if others else -1])}"] * bool(each)
+
+
 def point_forces(sol: "Solution") -> list[tuple[str, str]]:
     """Where each point force of the wall acts, and its size, in the digits that their errors allow."""
+    pairs = zip(sol.point_forces, _errors_of_forces(sol), strict=True)
+    return [(_place(sol, s), known_to(force, error, force)) for (s, force), error in pairs]
+
+
+def _errors_of_forces(sol: "Solution") -> list[float]:
+    """The estimated error of each point force of the wall [force]."""
     unit = float(sol.case.rod.bending_stiffness) / float(sol.case.rho) ** 2
-    return [(_place(sol, s), known_to(force, error_beside(sol, s, 1) * unit, force)) for s, force in sol.point_forces]
+    return [error_beside(sol, s, 1) * unit for s, _ in sol.point_forces]
 
 
 def _place(sol: "Solution", s: float) -> str:

@@ -51,6 +51,29 @@ def alike(values: Iterable[float], digits: int = 4) -> list[str]:
     return [in_full(text) for text in texts]
 
 
+def column(values: Iterable[float], errors: Iterable[float] = (), digits: int = 4) -> list[str]:
+    """Numbers one above the other with the same decimals, none beyond the largest of their errors.
+
+    They are so many that the largest number has so many digits, and the least one digit; numbers that differ by more
+    powers of ten have each their own.
+
+    >>> column([0.142, 0.0909, 0.0]), column([10.109, 2.803], [0.139, 0.14]), column([15000.0, 0.02])
+    (['0.1420', '0.0909', '0'], ['10.1', '2.8'], ['15000', '0.02'])
+    """
+    values = [*values]
+    powers = [floor(log10(abs(value))) for value in values if value and abs(value) < float("inf")]
+    if not powers or max(powers) - min(powers) > digits or not -4 <= min(powers) <= max(powers) <= 5:
+        return [powers_of_ten(number(value, digits)) for value in values]
+    least, places = max(-min(powers), 0), max(digits - 1 - max(powers), -min(powers), 0)
+    if error := max((error for error in errors if error < float("inf")), default=0.0):
+        places = max(min(places, -floor(log10(error))), least)
+    while places > least and all(
+        round(value, places) == round(value, places - 1) for value in values if value == value
+    ):
+        places -= 1
+    return [f"{value:.{places}f}" if value else "0" for value in values]
+
+
 def unit(text: str) -> str:
     """``N/cm^2`` as ``N/cm²``; nothing for a plain number."""
     return "" if text == "1" else text.replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
@@ -124,7 +147,8 @@ def label(array: xr.DataArray, long: bool = False) -> str:
     """
     name, letters = long_name(array), symbol(array)
     whole = letters.replace(" ", "\N{NO-BREAK SPACE}")
-    text = letters if not long else name if len(letters) > LETTERS or letters in name else f"{name}  {whole}"
+    is_word = len(letters) > LETTERS or letters in name or bool(re.fullmatch("[a-z]{3,}", letters))
+    text = letters if not long else name if is_word else f"{name}  {whole}"
     return f"{text}{_bracket(array)}"
 
 

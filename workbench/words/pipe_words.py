@@ -23,7 +23,7 @@ LIMITS = (  # what happens at each of these, and what the load is called
     ("sinusoid from", "Dawson-Paslay"),
     ("helix possible from", "pressed on the wall all along"),
     ("helix likely from", LIKELY),
-    ("sinusoid gone above", "lift-off"),
+    ("sinusoid lifts off above", "lift-off"),
 )
 EXPECTED = (  # in a long pipe, by the number of the loads above that are reached
     "a straight pipe",
@@ -31,7 +31,7 @@ EXPECTED = (  # in a long pipe, by the number of the loads above that are reache
     "a sinusoid; a helix that a larger load has left can stay, but has more energy",
     "a sinusoid while the load grows and nothing disturbs the pipe; a helix, which has less energy, after a strong "
     "disturbance or a larger load",
-    "a helix, as a sinusoid would lift off",
+    "a helix, as a sinusoid would lift off in places",
 )
 MOST = 6  # stretches that are listed
 SLIGHT = 0.1  # of the largest bend: a smaller one is a ripple beside it
