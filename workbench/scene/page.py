@@ -344,7 +344,8 @@ class Page:
         if scene.down is not None:
             signs.draw_weight(self.ax, x, y, scene.down)
             x += WEIGHT + APART
-        signs.draw_scale(self.ax, x, y, self.arrangement.scale * scene.along, unit, scene.along)
+        per_unit = self.arrangement.scale * scene.along
+        signs.draw_scale(self.ax, x, y, per_unit, unit, scene.along, upright=not lies(scene.camera))
         if "bar" in shown:
             signs.draw_bar(self.ax, scene.paint, (x + signs.SCALE + APART, y - 0.04), (BAR, 0.1))
         if self.columns_beside:

@@ -21,6 +21,7 @@ from .scene_kinds import Cell, Paint
 from .views import BELOW, DOT, ROUND
 
 GLYPH, SCALE = 0.76, 1.0  # widths: the cylinder from above, the longest scale bar
+TALL = 0.45  # the longest scale bar that stands
 DIAL = 0.15  # the radius of the cylinder from above
 EYE = 0.078  # from a cylinder that is seen from above to the middle of the eye
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
@@ -79,14 +80,25 @@ def legend_sign(colour: str, text: str) -> Artist:
     return Patch(facecolor=colour, edgecolor=edge, linewidth=0.6, label=text)
 
 
-def draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: float) -> None:
-    """A bar of a round length; where the axis is seen at a slant, of a length along it. per_unit: inches."""
-    length = round_below(SCALE / per_unit)
-    wide = length * per_unit
-    ax.errorbar(x + wide / 2, y, xerr=wide / 2, color=colours.INK, linewidth=1.2, capsize=2.5, capthick=1.2)
-    ax.text(x + wide / 2, y - 0.06, f"{labels.number(length)} {unit}", ha="center", va="bottom", size=fonts.SMALL)
+def draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: float, upright: bool = False) -> None:
+    """A bar of a round length; where the axis is seen at a slant, of a length along it and with its direction.
+
+    per_unit: inches. upright: whether the axis goes up the page.
+    """
+    stands = upright and along < 1 - 1e-9
+    length = round_below((TALL if stands else SCALE) / per_unit)
+    half = length * per_unit / 2
+    look = {"color": colours.INK, "linewidth": 1.2, "capsize": 2.5, "capthick": 1.2}
+    words = f"{labels.number(length)} {unit}"
+    if stands:
+        ax.errorbar(x + 0.04, y, yerr=half, **look)
+        ax.text(x + 0.14, y - 0.02, words, va="bottom", size=fonts.SMALL)
+    else:
+        ax.errorbar(x + half, y, xerr=half, **look)
+        ax.text(x + half, y - 0.06, words, ha="center", va="bottom", size=fonts.SMALL)
     if along < 1 - 1e-9:
-        ax.text(x, y + 0.06, "along the axis", va="top", size=fonts.SMALL, color=colours.SOFT)
+        place = (x + 0.14, y + 0.02) if stands else (x, y + 0.06)
+        ax.text(*place, "along the axis", va="top", size=fonts.SMALL, color=colours.SOFT)
 
 
 def draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> None:
