@@ -536,3 +536,20 @@ def test_the_report_says_what_the_rods_would_do_or_what_to_install(results) -> N
     assert page.rows[report_runs.LET_GO] == 1 + ds["outcome"].size
     for gap in ds["gap_max"].values:
         assert f"{gap:.2f}" in page.text
+
+
+@pytest.mark.slow
+def test_on_a_phone_a_label_of_the_rods_let_go_and_its_value_share_a_line(results, tmp_path) -> None:
+    ds = small.study_dataset(report_runs.LET_GO)
+    release = report_runs.release(load(report_runs.LET_GO), StoredStudy(ds))
+    (tmp_path / "report.html").write_text(report_document.html(results, release=release), encoding="utf-8")
+    with browser.chromium(tmp_path / "chromium", "390,844") as driver:
+        size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        driver.get((tmp_path / "report.html").as_uri())
+        heights = driver.execute_script(
+            "return [...document.querySelectorAll('#let_go td')].map((cell) => cell.clientHeight /"
+            "parseFloat(getComputedStyle(cell).lineHeight))"
+        )
+    assert heights
+    assert max(heights) < 2

@@ -118,6 +118,7 @@ def html(
         readings=of_readings(readings),
         errata=_text("errata.html"),
         sources=[sources.row(result) for result in results],
+        error=sources.least_bound(results),
         versions=sources.versions(datasets),
         created=max(str(result.stored.attrs["created"]) for result in results),
         refusals=[labels.typeset(in_degrees(refusal)) for refusal in refusals],

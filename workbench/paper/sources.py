@@ -33,6 +33,12 @@ def row(result: StudyResult) -> dict[str, Any]:
     }
 
 
+def least_bound(results: Sequence[StudyResult]) -> str:
+    """The least power of ten above the estimated error [rad] of every solved case: ``10⁻⁷``."""
+    errors = [np.nanmax(result.stored["error"].values, initial=0.0) for result in results]
+    return labels.power_of_ten(10.0 ** np.ceil(np.log10(max(errors))))
+
+
 def versions(datasets: Sequence[StoredStudy]) -> list[tuple[str, str]]:
     """Every package that the datasets name, with its version; where they differ, with each version and its studies."""
     packages: dict[str, dict[str, list[str]]] = {}
