@@ -14,7 +14,7 @@ from ..branches.given_numbers import FREE, Given, OrbitState
 from ..branches.leaps import SHARES, angles_on
 from ..branches.orbit_rates import orbit_rates
 from ..nodes import banded_newton, hinges
-from ..nodes.banded_newton import whole_turns
+from ..nodes.banded_newton import turns_above
 from ..nodes.hinges import HingedState
 from ..nodes.loaded_rod import BETA
 from ..nodes.varying_shapes import Shape
@@ -22,7 +22,6 @@ from ..numerics.arclength import POINTS
 from ..numerics.arrays import Array
 from ..orbits.boundary import Path
 from ..orbits.path_orbits import orbit_of
-from ..orbits.potential import TAU
 from ..problem.dimensionless import EndsProblem
 
 
@@ -92,10 +91,10 @@ def angles_along(state: OrbitState) -> Array:
 
 def within_a_turn(state: OrbitState) -> OrbitState:
     """The state with beta(0) in (-pi, pi], to rounding."""
-    turns = whole_turns(float(state.problem.beta0[0]))
+    turns = turns_above(float(state.problem.beta0[0]))
     if not turns:
         return state
     if isinstance(state, HingedState):
         return hinges.state_of(banded_newton.within_a_turn(state.shape))
-    problem = replace(state.problem, **{name: getattr(state.problem, name) - TAU * turns for name in FREE[:2]})
+    problem = replace(state.problem, **{name: getattr(state.problem, name) - turns for name in FREE[:2]})
     return replace(state, problem=problem, rates=orbit_rates(problem, [state.path]))

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core.weight_friction import BY_STATE, ORDER, SIZE, march, solve_chain
-from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, Array
+from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, Array, whole_turns
 from ..numerics.roots import DIVERGED, REACH, Ending, lead_away, newton
-from ..orbits.potential import TAU
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .varying_shapes import Shape
 
@@ -115,23 +114,23 @@ def is_same(shape: Shape, other: Shape) -> bool:
     """Whether two shapes of a rod are one, whose beta may differ by whole turns where no end angle is given."""
     change = shape.y - other.y
     if shape.rod.turns_freely:
-        change[:, BETA] -= TAU * np.round(change[0, BETA] / TAU)
+        change[:, BETA] -= whole_turns(change[0, BETA])
     return bool((np.abs(change) / shape.rod.scale)[:, [BETA, SPEED, ALPHA]].max() < ALIKE)
 
 
-def whole_turns(beta: float) -> int:
-    """The whole turns by which an angle lies above the one in (-pi, pi], to rounding."""
+def turns_above(beta: float) -> float:
+    """The whole turns [rad] by which an angle lies above the one in (-pi, pi], to rounding."""
     # an angle as near to -pi, as of a rod that points back, is pi, whatever its last digits
-    return int(np.ceil((beta - np.pi) / TAU - NEGLIGIBLE))
+    return float(whole_turns(beta - NEGLIGIBLE))
 
 
 def within_a_turn(shape: Shape) -> Shape:
     """The shape itself, or where no end angle is given the one with beta(0) in (-pi, pi], to rounding."""
-    turns = whole_turns(float(shape.y[0, BETA])) if shape.rod.turns_freely else 0
+    turns = turns_above(float(shape.y[0, BETA])) if shape.rod.turns_freely else 0
     if not turns:
         return shape
     y = shape.y.copy()
-    y[:, BETA] -= TAU * turns
+    y[:, BETA] -= turns
     return replace(shape, y=y)
 
 

@@ -35,6 +35,7 @@ EQUAL, LIFTED, LAST = 0.901122, 1.541672, 3.2613  # F - 2: from which a helix ha
 
 # F - 2: where a helix may become a sinusoid, tried in this order. x10: places where neither is near
 FRONTS = EQUAL + np.array([0.0, 0.05, -0.05, -0.1])
+HELIX = 4 / (3 * np.sqrt(3))  # the largest compression of a helix: beyond, -phi = 2 cos(beta) sin(beta)^2 has no root
 LIGHTEST = 1e-30  # weight across, in units of A and rho, that makes waves: its fourth root is a float. x10: as good
 # of F: how softly the amplitude comes to 0. x10: waves where the rod is straight; Newton's method still mends it
 SOFT = 0.03
@@ -206,8 +207,8 @@ def compression(rod: LoadedRod, t: Array, front: float = np.inf) -> Array:
 
 
 def largest(across: float) -> float:
-    """F - 2 beyond which there is no helix: -phi = 2 cos(beta) sin(beta)^2 has no root beta."""
-    return 4 / (3 * np.sqrt(3 * across)) - 2
+    """F - 2 beyond which there is no helix."""
+    return HELIX / np.sqrt(across) - 2
 
 
 def positive_part(over: Array) -> Array:

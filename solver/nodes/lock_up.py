@@ -11,13 +11,12 @@ import numpy as np
 from ..numerics.chebyshev import GAUSS
 from ..numerics.roots import halve
 from .loaded_rod import LoadedRod
-from .local_waves import EQUAL, LIGHTEST, SOFT, has_waves, largest, mean_push
+from .local_waves import EQUAL, HELIX, LIGHTEST, SOFT, has_waves, mean_push
 
 # of a change of the push: less is lock-up, as drillers have it. x10: another definition, and shorter lengths
 PASSED = 0.01
 WAVELESS = 1e-8  # of F^2: a weight across that is too small for a sinusoid, in place of none. x10: as good
 PANELS = 12  # where the push is smooth; with `GAUSS` to 1e-9 of the length. x10: only time
-HELIX = 4 / (3 * np.sqrt(3))  # the largest compression of a helix
 FINE = 1e-10  # of the compression. x10: a digit less of it
 
 
@@ -38,7 +37,7 @@ def lock_up_length(along: float, across: float, friction: float, arriving: float
         return np.inf
     front = unit * (2 + EQUAL)
     wound = 2 * unit * np.sqrt(max(0.0, first / PASSED - along) / (friction * across))
-    last = max(arriving, min(max(front, wound), unit * (2 + largest(across))))
+    last = max(arriving, min(max(front, wound), HELIX))
     bends = unit * (2 + SOFT * np.linspace(-20, 20, PANELS + 1))
     helix = np.geomspace(max(front, arriving, FINE * last), last, PANELS + 1) if last > front else ()
     edges = np.unique(np.clip(np.concatenate([[arriving, last], bends, [front], helix]), arriving, last))

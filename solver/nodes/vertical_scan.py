@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from ..core.weight_friction import march
-from ..numerics.arrays import EPS, FAINT, Array
+from ..numerics.arrays import EPS, FAINT, Array, whole_turns
 from ..numerics.roots import roots_between, sign_changes
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import solve_orbit
@@ -97,7 +97,7 @@ def every_start(rod: LoadedRod) -> tuple[Array, bool]:
     if "beta0" not in rod.held:
         roots = roots[roots < np.pi * (1 - 1e-12)]
     if turning:
-        roots -= TAU * np.round(off(roots) / TAU)
+        roots -= whole_turns(off(roots))
     return begin_at(rod, roots, q), resolved
 
 

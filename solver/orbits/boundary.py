@@ -23,7 +23,7 @@ import numpy as np
 from ..core import branch_calls as core
 from ..core.library import FLOAT, TIMES, Cutting, cut, fine, numbers_of, on_grid, points, run, structure
 from ..core.tuning import AT_REST, LOWEST, MOVED, NUDGE, ON
-from ..numerics.arrays import Array, Booleans, Columns, Integers
+from ..numerics.arrays import Array, Booleans, Columns, Integers, whole_turns
 from ..problem.dimensionless import EndsProblem
 from .potential import TAU, HasLoads, load_size, slope
 
@@ -150,7 +150,7 @@ def repeat(problem: EndsProblem, count: int) -> EndsProblem:
 
 def wrap(beta: float) -> float:
     """The angle in [-pi, pi), as the core wraps it."""
-    beta = float(beta - TAU * np.round(beta / TAU))
+    beta = float(beta - whole_turns(beta))
     return beta - TAU if beta >= np.pi else beta
 
 
@@ -318,8 +318,8 @@ def _helix_angle(problem: EndsProblem, angles: Array) -> float | None:
     beta0 = problem.beta0
     if problem.betaL[0] != beta0[0] or np.abs(slope(problem, beta0))[0] > AT_REST * height_scale(problem):
         return None
-    turns = np.round((beta0[0] - angles) / TAU)
-    return float(angles[int(np.argmin(np.abs(angles + TAU * turns - beta0[0])))])
+    apart = beta0[0] - angles
+    return float(angles[int(np.argmin(np.abs(apart - whole_turns(apart))))])
 
 
 def height_scale(problem: EndsProblem) -> float:

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from ..core.measures import crossings
-from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
+from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, ROUGHLY, Array
 from ..numerics.roots import root
 from ..problem.dimensionless import StartProblem
 from .frames import position
@@ -34,9 +34,6 @@ _FINEST = -30.0  # of log(gap): lam holds no smaller gap, 1e-13. x10: the search
 # at gap = (_SHORT/T)^2 the period is below T; it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap). x10: only time
 _SHORT = 100.0
 _FAR = 60.0  # bound of the log of a period, so that no infinity enters. x10: as good
-# of the search of lam, by the log of the period; Newton's method follows. x10: it begins farther off, where roots are
-# close it may meet another
-_ROUGH, _NARROW = 1e-3, 1e-6
 
 
 @dataclass(frozen=True)
@@ -59,7 +56,7 @@ def orbits_of_gain(period: float, azimuth: float) -> tuple[list[ClosedOrbit], li
     0 < azimuth < period. The largest b1 first.
     """
     lowest = _angles(period, azimuth)
-    y = _gaps(lowest, period, _ROUGH)
+    y = _gaps(lowest, period, ROUGHLY)
     known = np.isfinite(y)
     lowest, y = lowest[known], y[known]
     mean = _mean(lowest, y)
@@ -94,9 +91,9 @@ def _gaps(lowest: Array, period: float, narrow: float) -> Array:
     from scipy.optimize.elementwise import find_root
 
     ends = np.full(lowest.size, _FINEST), np.full(lowest.size, 2 * np.log(_SHORT / period))
-    goal = {"fatol": narrow, "xatol": _NARROW, "frtol": 0.0, "xrtol": 0.0}
+    goal = {"fatol": narrow, "xatol": ALIKE, "frtol": 0.0, "xrtol": 0.0}
     root_of = find_root(lambda y, b1: _excess(b1, y, period), ends, args=(lowest,), tolerances=goal)
-    return np.where(np.abs(root_of.f_x) < 2 * _ROUGH, root_of.x, np.nan)
+    return np.where(np.abs(root_of.f_x) < 2 * ROUGHLY, root_of.x, np.nan)
 
 
 def _excess(lowest: Array, y: Array, period: float) -> Array:
@@ -110,13 +107,13 @@ def _refine(lowest: Array, period: float, azimuth: float) -> ClosedOrbit:
 
     def off(at: float) -> float:
         b1 = np.array([at])
-        return float((_mean(b1, _gaps(b1, period, _NARROW)) - azimuth / period)[0])
+        return float((_mean(b1, _gaps(b1, period, ALIKE)) - azimuth / period)[0])
 
     try:
-        at = brentq(off, *lowest, xtol=_NARROW, disp=False)
+        at = brentq(off, *lowest, xtol=ALIKE, disp=False)
     except ValueError:  # lam cannot hold the gap of an orbit between them
         return ClosedOrbit(float(lowest[0]), np.nan, np.inf)
-    return _polish(at, float(_gaps(np.array([at]), period, _NARROW)[0]), period, azimuth)
+    return _polish(at, float(_gaps(np.array([at]), period, ALIKE)[0]), period, azimuth)
 
 
 def _polish(b1: float, y: float, period: float, azimuth: float) -> ClosedOrbit:
