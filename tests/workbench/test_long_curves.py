@@ -12,6 +12,7 @@ from workbench.figures import drawn_numbers, one_rod, unrolled, waves
 from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.fonts import SMALL
 from workbench.figures.sheet import sheet
+from workbench.geometry import varying_lines
 from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
@@ -38,6 +39,14 @@ def test_waves_that_are_rounding_beside_the_range_of_a_curve_are_no_band() -> No
     for size, bands in ((1e-3, 0), (1e-1, 1)):
         y = np.exp(-20 * x) + size * np.sin(2000 * x) * (x > 0.5)
         assert sum(part.band is not None for part in waves.stretches(x, y, 6.0)) == bands
+
+
+def test_each_edge_of_many_contacts_has_its_place() -> None:
+    s = np.linspace(0, 15, 3001)
+    push = np.maximum(np.sin(2 * np.pi * (s + 0.25)), 0)
+    edges = np.arange(0.25, 15, 0.5)
+    np.testing.assert_allclose(varying_lines.contact_edges(s, push), edges, atol=s[1])
+    assert not varying_lines.contact_edges(s, push - 0.1).size  # held on
 
 
 def test_only_a_rod_that_would_be_a_hair_is_set_in_lines() -> None:
