@@ -224,18 +224,19 @@ def in_rows(
     width: float,
     worth: float = WORTH,
     flat: float = 1.0,
+    ragged: bool = False,
 ) -> tuple[int, Arrangement]:
     """The number of columns, and the arrangement, in which so many boxes are largest, nearly so in fewer rows.
 
     arranged: the arrangement in so many rows and columns. most: rows that are tried. width: what it may have.
     worth: a scale so many times larger is worth another row. flat: the height of boxes over the least that is read, at
-    one scale: lower ones are drawn higher in more columns.
+    one scale: lower ones are drawn higher in more columns. ragged: whether rows have boxes of their own number.
     """
     best: tuple[int, Arrangement] | None = None
     largest = 0.0
     for rows in range(1, min(count, most) + 1):
         columns = -(-count // rows)
-        if -(-count // columns) != rows:
+        if -(-count // columns) != rows and not ragged:
             continue
         layout = arranged(rows, columns)
         fits = layout.size[0] <= width + 1e-6

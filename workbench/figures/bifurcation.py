@@ -26,17 +26,16 @@ from .sheet import SCREEN, Sheet, set_range
 
 HIGH, TALL = (
     (0.46, 0.62),
-    (0.62, 0.42),
+    (0.62, 0.34),
 )  # of the width: the diagram on a page and a column; the views, otherwise round
 MOST = 16, 8  # shapes; those on one column of a page
-MANY = 20  # branches: of more the unstable ones stand back, whole, because dashes side by side make a pattern
-BACK = {"linewidth": 0.5, "linestyle": "-", "alpha": 0.75}
+DASHED, DOTTED = (0, (3, 1.5)), (0, (1, 1.2))  # where a law is false, and where one is not decided
 ROUNDS, NEAR = 2, 0.05  # until the numbers stand on a diagram as high as what the layout gives it, nearly
 BESIDE = 0.2  # inches above and below all lines, for a number
 SMALLEST = 0.35  # inches of the view of an unstable rod: in a smaller one nothing is told apart
 SAME = 0.01  # of its size: two rods between which no point of the line moves farther look the same
 RINGED = 0.5  # of that length its rings cover at most
-MOST_PAIRS = 8  # of branches on one line that are named
+MOST_NAMED = 8  # groups of branches on one line
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 HIDDEN = 0.03  # of a panel: marks would cover a shorter stable piece
@@ -44,7 +43,7 @@ MORE = 0.45  # inches of the figure beside the diagram and the views
 # an unstable branch of held ends, and stable ones
 _HELD: dict[int, tuple[dict[str, Any], str]] = {
     0: (colours.UNSTABLE | {"zorder": 2}, "unstable"),
-    1: (colours.STABLE | {"linewidth": 1.1, "zorder": 4}, "stable as held, unstable under a dead load"),
+    1: (colours.STABLE | {"linewidth": 1.3, "zorder": 4}, "stable as held, unstable under a dead load"),
     2: (colours.STABLE | {"linewidth": 2.2, "zorder": 4}, "stable, also under a dead load"),
     3: (colours.STABLE | {"linewidth": 2.2, "zorder": 4}, "stable as held"),
 }
@@ -53,10 +52,10 @@ _HELD: dict[int, tuple[dict[str, Any], str]] = {
 def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
     """An observable against the axis, and the unrolled views of the branches.
 
-    Stable branches are thick, unstable ones thin and dashed, and thinner where they are many. A shape of each stable
-    branch has a number, and its point has the same; one of an unstable branch where its number covers nothing. Folds
-    and other special points are marked. Where laws were judged, the branches on which none fails have a colour, and a
-    note says the laws.
+    Stable branches are thick, unstable ones thin. A shape of each stable branch has a number, and its point has the
+    same; one of an unstable branch where its number covers nothing. The other branches have their numbers on their
+    lines where they cover nothing else. Folds and other special points are marked. Where laws were judged, the branches
+    on which none is false have a colour, those on which one is false are dashed, and a note says the laws.
 
     show: the observable; default: as the dataset says. Raises `InputError` for one that is not stored along the
     branches, and for several.
@@ -83,7 +82,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
 
 def _page_with_numbers(stored: StoredStudy, shown: str, sheet: Sheet, inches: float) -> Figure:
     """The figure, whose numbers have room on a diagram so many inches high."""
-    high, laws, alike = HIGH[sheet.narrow] * sheet.width, _laws(stored), _alike(stored, shown)
+    high, laws, alike = HIGH[sheet.narrow] * sheet.width, _laws(stored), _alike(_on_one_line(stored, shown))
     with rc_context(fonts.RC | sheet.settings()):  # which shapes have room for their numbers
         ax = Figure((sheet.width, high + MORE)).add_subplot()
         numbered = panel(stored, ax, shown, inches, sheet, _in_order(stored))
@@ -93,7 +92,7 @@ def _page_with_numbers(stored: StoredStudy, shown: str, sheet: Sheet, inches: fl
         kept = sorted(chosen[: most - 1])
 
         def diagram(ax: Axes) -> canvas.Said:
-            panel(stored, ax, shown, inches, sheet, kept)
+            panel(stored, ax, shown, inches, sheet, kept, others=True)
             canvas.add_legend(ax, MOST_INSIDE)
             return laws
 
@@ -115,30 +114,27 @@ def panel(
     inches: float = 4.0,
     sheet: Sheet = SCREEN,
     chosen: Sequence[int] = (),
+    others: bool = False,
 ) -> list[int]:
-    """One quantity of each equilibrium against the axis, a line a branch; inches: the height of the panel.
+    """One quantity of each equilibrium against the axis, a line a branch; inches: the height of the panel. others:
+    whether the branches of no chosen shape have their numbers on their lines.
 
     Returns those of the chosen shapes whose points are on the panel with their numbers, in the order given.
     """
     name = str(stored.attrs["axis"])
-    along, height = labels.in_label_unit(stored[name], stored[f"curve_{name}"].values), _values(stored, f"curve_{key}")
     drawn: list[tuple[str, Any]] = []
-    sizes = np.array([np.ptp(values[np.isfinite(values)]) or 1.0 for values in (along, height)])
-    count, rows = observables.is_count(key), sorted(stored.data("branches"), key=_place_in_legend)
-    many = len(rows) > MANY
-    for row in rows:
+    (points, sizes), count = _curves(stored, key), observables.is_count(key)
+    for row in sorted(stored.data("branches"), key=_place_in_legend):
         on = np.flatnonzero(stored["curve_branch"].values == row["branch"])
-        points = np.stack([along[on], height[on]], axis=1)
-        runs = [(points, *_look(row))] if "member" in stored.sizes else _runs(stored, ax, on, points)
+        runs = [(points[on], *_look(row))] if "member" in stored.sizes else _runs(stored, ax, on, points[on])
         for run, look, label in ((part, *how) for points, *how in runs for part in branch_lines.parts(points, count)):
             share = run / sizes
             if any(label == same and branch_lines.lies_on(share, other) for same, other in drawn):
                 continue
             drawn.append((label, share))
             line = branch_lines.smooth(run[:, 0], run[:, 1], share)
-            if look["linestyle"] == "-" and np.ptp(share, axis=0).max() < HIDDEN:
+            if look["linewidth"] > 1 and np.ptp(share, axis=0).max() < HIDDEN:
                 look = look | {"zorder": 6.5}  # above the marks at its two ends
-            look = look | (BACK if many and look["linestyle"] != "-" else {})
             ax.plot(*line, label=label, marker="." if len(run if count else on) == 1 else "", **look)
     for kind, mark in MARKS.items():
         x, y, stable = _special(stored, name, key, kind)
@@ -156,22 +152,35 @@ def panel(
     ax.margins(y=max(BESIDE / inches, 0.05))
     ax.set_ylim(*ax.get_ylim())
     set_range(sheet, ax, key)
-    return _number_points(stored, ax, key, (fonts.inches(ax)[0], inches), chosen)
+    return _number_points(stored, ax, key, (fonts.inches(ax)[0], inches), chosen, others and not count)
 
 
-def _alike(stored: StoredStudy, key: str) -> list[str]:
-    """The sentence that names branches of which one line shows two; none where each has its own."""
-    points = np.stack([stored[f"curve_{name}"].values for name in (str(stored.attrs["axis"]), key)], axis=1)
-    shares = points / np.array([np.ptp(values) or 1.0 for values in points.T])
-    lines = [shares[stored["curve_branch"].values == row["branch"]] for row in stored.data("branches")]
-    pairs = [
-        f"{i + 1} and {k + 1}"
-        for k, line in enumerate(lines)
-        for i, other in enumerate(lines[:k])
-        if branch_lines.lies_on(line, other) and branch_lines.lies_on(other, line)
-    ]
-    more = f"; {len(pairs) - MOST_PAIRS} more pairs" if len(pairs) > MOST_PAIRS else ""
-    return [f"One line shows both of two branches: {', '.join(pairs[:MOST_PAIRS])}{more}."] if pairs else []
+def _curves(stored: StoredStudy, key: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The points of all branches in the units of the labels, (curve_point, 2), and the extent of both columns, (2,)."""
+    points = np.stack([_values(stored, f"curve_{name}") for name in (str(stored.attrs["axis"]), key)], axis=1)
+    return points, np.array([np.ptp(column[np.isfinite(column)]) or 1.0 for column in points.T])
+
+
+def _on_one_line(stored: StoredStudy, key: str) -> list[list[int]]:
+    """The numbers of the branches, from 0, those of one line together."""
+    points, sizes = _curves(stored, key)
+    groups, lines = list[list[int]](), list[Any]()
+    for row in stored.data("branches"):
+        line = (points / sizes)[stored["curve_branch"].values == row["branch"]]
+        same = (branch_lines.lies_on(line, other) and branch_lines.lies_on(other, line) for other in lines)
+        at = next((i for i, is_same in enumerate(same) if is_same), None)
+        if at is None:
+            groups.append([])
+            lines.append(line)
+        groups[-1 if at is None else at].append(row["branch"])
+    return groups
+
+
+def _alike(groups: Sequence[Sequence[int]]) -> list[str]:
+    """The sentence that names the branches of which one line shows several; none where each has its own."""
+    several = [" and ".join(f"{number + 1}" for number in group) for group in groups if len(group) > 1]
+    more = f"; {len(several) - MOST_NAMED} more" if len(several) > MOST_NAMED else ""
+    return [f"Branches that share a line: {', '.join(several[:MOST_NAMED])}{more}."] if several else []
 
 
 def _values(stored: StoredStudy, name: str) -> Any:
@@ -233,35 +242,33 @@ def _runs(stored: StoredStudy, ax: Axes, on: Any, points: Any) -> list[tuple[Any
 def _laws(stored: StoredStudy) -> list[str]:
     """The sentence that says the laws of the legend; none where no branch has their colour."""
     rows = stored.data("branches")
-    if "member" not in stored.sizes or not any(_judge(row)[0] for row in rows):
+    if "member" not in stored.sizes or not any("color" in _judge(row)[0] for row in rows):
         return []
     laws = [key.split(" ") for key in rows[0] if " " in key]
     words = " and ".join(f"{labels.noun_of(name)} {DIRECTIONS[direction].does}" for name, direction in laws)
     return [f"Laws of the study: {words} with {labels.symbol(stored[str(stored.attrs['axis'])])}."]
 
 
-def _judge(row: dict[str, Any]) -> tuple[bool, str]:
-    """Whether laws were judged on a branch and none fails, and what the legend says of that."""
+def _judge(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
+    """The look that says what was judged on a branch, and what the legend says of it; nothing where nothing was."""
     verdicts = [in_words_of_today(str(verdict)) for key, verdict in row.items() if " " in key]
-    if not verdicts:
-        return False, ""
+    if any(verdict.startswith(FAILS) for verdict in verdicts):
+        return {"linestyle": DASHED}, ": a law is false"
     if all(verdict.startswith((HOLDS, QUALIFIED)) for verdict in verdicts):
-        in_part = any(verdict.startswith(QUALIFIED) for verdict in verdicts)
-        return True, ": every law is true" + " or true in part" * in_part
-    return False, ": a law is false" if any(v.startswith(FAILS) for v in verdicts) else ": a law is not decided"
+        return ({"color": colours.VERDICTS[HOLDS]}, ": no law is false") if verdicts else ({}, "")
+    return {"linestyle": DOTTED}, ": a law is not decided"
 
 
-def _place_in_legend(row: dict[str, Any]) -> tuple[bool, int, str]:
+def _place_in_legend(row: dict[str, Any]) -> tuple[bool, bool, str]:
     """The place of a branch in the order of the legend: stable before unstable, then by what is said of laws."""
-    (holds, words), stable = _judge(row), row["index"] == 0
-    return not stable, not holds, words
+    judged, words = _judge(row)
+    return row["index"] != 0, "color" not in judged, words
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """The look of a branch, and its entry in the legend."""
-    (holds, words), stable = _judge(row), row["index"] == 0
-    look = (colours.STABLE if stable else colours.UNSTABLE) | {"zorder": 4 if stable else 3 if holds else 2}
-    look |= {"color": colours.VERDICTS[HOLDS]} if holds else {}
+    (judged, words), stable = _judge(row), row["index"] == 0
+    look = (colours.STABLE if stable else colours.UNSTABLE) | {"zorder": 4 if stable else 3 if judged else 2} | judged
     return look, ("stable" if stable else "unstable") + words
 
 
@@ -353,20 +360,23 @@ def names_of_shapes(stored: StoredStudy) -> list[str]:
 
 
 def _number_points(
-    stored: StoredStudy, ax: Axes, key: str, inches: tuple[float, float], chosen: Sequence[int]
+    stored: StoredStudy, ax: Axes, key: str, inches: tuple[float, float], chosen: Sequence[int], others: bool
 ) -> list[int]:
     """A dot with its number at the points of these shapes, where the axis reaches them, and the number of an unstable
-    one covers nothing; returns which."""
-    if not chosen or f"shape_{key}" not in stored:
-        return []
+    one covers nothing; returns which. others: as of `panel`."""
     name, names = str(stored.attrs["axis"]), names_of_shapes(stored)
-    x, y = labels.in_label_unit(stored[name], stored[f"shape_{name}"].values), _values(stored, f"shape_{key}")
+    x, y = (_values(stored, f"shape_{of}") if f"shape_{of}" in stored else np.empty(0) for of in (name, key))
     (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
-    inside = [k for k in chosen if left <= x[k] <= right and low <= y[k] <= high]
+    inside = [k for k in chosen if y.size and left <= x[k] <= right and low <= y[k] <= high]
     points = [point_numbers.NumberedPoint(x[k], y[k], names[k], _is_stable(stored, k)) for k in inside]
     dots = [dot for kind in MARKS for dot in np.transpose(_special(stored, name, key, kind)[:2])]
     lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1 and line.get_linestyle() != "None"]
-    written = [inside[i] for i in sorted(point_numbers.write(ax, points, lines, dots, inches))]
+    on = [
+        ([f"{number + 1}" for number in group], line)
+        for group in (_on_one_line(stored, key) if others else ())
+        if len(line := _longest_part(stored, key, group[0]))
+    ]
+    written = [inside[i] for i in sorted(point_numbers.write(ax, points, lines, dots, inches, on))]
     for k in written:
         colour = _look_of_shape(stored, k)["color"]
         order = 7 if _is_stable(stored, k) else 3.5  # the dot of an unstable shape covers nothing stable
@@ -374,3 +384,11 @@ def _number_points(
             x[k], y[k], "o", color=colour, markersize=4.2, zorder=order, markeredgecolor="white", markeredgewidth=0.7
         )
     return written
+
+
+def _longest_part(stored: StoredStudy, key: str, number: int) -> NDArray[np.float64]:
+    """The longest stretch of the line of a branch that has numbers, as it is drawn, (n, 2); empty without any."""
+    points, sizes = _curves(stored, key)
+    stretches = branch_lines.parts(points[stored["curve_branch"].values == number], False)
+    longest = max(stretches, key=len, default=np.empty((0, 2)))
+    return np.stack(branch_lines.smooth(longest[:, 0], longest[:, 1], longest / sizes), axis=1)

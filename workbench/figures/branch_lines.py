@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
 BETWEEN = 8  # places on a smooth line between two points
-SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
+SAME = 0.008  # of a panel: lines that are nearer are drawn once
 Values = NDArray[np.float64]
 
 

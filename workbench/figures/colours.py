@@ -33,8 +33,8 @@ THEMES = {
 }
 LEAST = (4.5, 4.5, 1.3, 3.0, 3.0)  # contrast of each of these to what is behind it; of words and marks as of WCAG
 BLACK, LIGHTEST = "#000000", "#fefefe"  # the latter is not the white that stands for a background
-STABLE: dict[str, Any] = {"color": INK, "linewidth": 1.7, "linestyle": "-"}
-UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (4, 1.6))}
+STABLE: dict[str, Any] = {"color": INK, "linewidth": 1.7}
+UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8}
 STATES = {"straight": "#968f62", "sinusoidal": PAIR[1], "helical": PAIR[0]}  # of `solver.nodes.pipe_states`
 # cells of the map of extremes; solved ones by how near their error is to what the method promises
 EXTREMES = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#e0cdea", "vague": "#c9d8f2"}

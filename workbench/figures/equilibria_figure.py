@@ -4,9 +4,12 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.transforms import ScaledTranslation
+from numpy.typing import NDArray
 
 from solver.orbits.forces import push_from
 from solver.problem.errors import InputError, choices
@@ -20,6 +23,7 @@ from .unrolled import UnrolledView
 
 MOST = 8, 40  # shapes shown on one column of a page and elsewhere
 HIGH = 1.6, 1.8  # inches of the diagram of energies there
+DOT = 0.08  # inches from dot to dot that do not cover each other
 MOST_LOOPS = 24  # closed rods shown
 TALL = 1.0, 0.6  # the height of all views over the width of a column and of other pages
 REACTIONS = ("FZ", "MZ", "M3", "beta0", "betaL")  # of held ends
@@ -64,32 +68,35 @@ def one_shown(names: Sequence[str]) -> Sequence[str]:
 def against_index(stored: StoredStudy, ax: Axes, name: str, high: float) -> list[str]:
     """An observable against the index on axes so many inches high: a dot an equilibrium, filled where it is stable.
 
+    Dots that would cover one another stand side by side.
+
     Returns what is to be said of them.
     """
     values = labels.in_label_unit(stored[name], stored[name].values)
     index = stored["index"].values
-    ax.scatter(
-        stored["index"],
-        values,
-        c=["white" if value else colours.INK for value in index],
-        s=20,
-        edgecolors=colours.INK,
-        linewidths=0.9,
-        zorder=3,
-    )
     ax.set_xlabel(fonts.wrap("Morse index: unstable directions", ax))
     ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[name]), high - 0.3))
     ax.yaxis.set_major_locator(RoomLocator("counts" if name in stored.counts else "numbers"))
     ax.xaxis.set_major_locator(RoomLocator("counts"))
     ax.margins(0.04, 0.08)
+    ax.update_datalim(np.stack([index, values], axis=1)[np.isfinite(values)])
+    ax.autoscale_view()
+    ax.set_xlim(*ax.get_xlim()), ax.set_ylim(*ax.get_ylim())
     if index.size and index.min() == index.max():
         ax.set_xlim(index.min() - 0.5, index.max() + 0.5)
+    inches = fonts.inches(ax)[0], high - 0.5
+    per = np.array(inches) / [np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())]
+    aside = _side_by_side(index, values * per[1], per[0])
+    for offset in np.unique(aside):  # the dots themselves keep their numbers
+        at = aside == offset
+        place = ax.transData + ScaledTranslation(offset, 0, ax.figure.dpi_scale_trans)
+        look: dict[str, Any] = {"edgecolors": colours.INK, "linewidths": 0.9, "zorder": 3, "transform": place}
+        ax.scatter(index[at], values[at], s=20, c=[("white" if k else colours.INK) for k in index[at]], **look)
     points = [
         point_numbers.NumberedPoint(float(x), float(y), f"{k + 1}")
-        for k, (x, y) in enumerate(zip(index, values, strict=True))
+        for k, (x, y) in enumerate(zip(index + aside / per[0], values, strict=True))
     ]
-    ax.set_xlim(*ax.get_xlim()), ax.set_ylim(*ax.get_ylim())
-    point_numbers.write(ax, points, [], [], (fonts.inches(ax)[0], high - 0.5))
+    point_numbers.write(ax, points, [], [], inches)
     noun, stability = (
         "equilibrium" if index.size == 1 else "equilibria",
         str(stored.attrs["stability"]).replace("M3", "M₃"),
@@ -98,6 +105,19 @@ def against_index(stored: StoredStudy, ax: Axes, name: str, high: float) -> list
     if "searched" in stored.attrs:
         said.append(f"Not proved complete: searched over {labels.minus_signs(stored.attrs['searched'])}.")
     return said
+
+
+def _side_by_side(index: Any, up: Any, room: float) -> NDArray[np.float64]:
+    """How far each dot stands beside its index, (n,) [inches], those of one index within `DOT` of the next one up side
+    by side.
+
+    up: the heights of the dots, (n,); room: from one index to the next [both inches].
+    """
+    aside, order = np.zeros(len(up)), np.lexsort([up.round(6), index])  # equal ones as they are listed
+    ends = np.flatnonzero((np.diff(index[order]) > 0) | ~(np.diff(up[order]) < DOT)) + 1
+    for row in np.split(order, ends):
+        aside[row] = (np.arange(row.size) - (row.size - 1) / 2) * min(DOT, 0.8 * room / max(row.size, 1))
+    return aside
 
 
 def loops(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:

@@ -24,7 +24,7 @@ from .drawn_rods import DrawnRod
 from .sheet import SCREEN, Sheet
 
 PANELS = {"portrait": "phase portrait", "potential": "potential"}
-COLUMN = 1.4  # inches that a rod needs among others
+COLUMN = 1.3  # inches that a rod needs among others
 BANDS = 2  # rows of rods at most
 ANGLES = 1441  # of a level set
 LEVELS = 7  # level sets

@@ -1,18 +1,21 @@
-"""Numbers beside points of a diagram: each is placed where it covers no other number, no point and few lines.
+"""Numbers of points and lines of a diagram. One beside a point covers no other number, no point and few lines.
 
 A number is nearer to its own point than to any other, or a thin line leads from it to its point. One that is not
 needed is written only where it covers nothing. What stands in a diagram is one list of places, each with what it costs
-to cover it: so lines, points, numbers and leading lines are avoided by one rule. Lengths are in inches.
+to cover it: so lines, points, numbers and leading lines are avoided by one rule. The number of a line stands on it,
+where it covers nothing else. Lengths are in inches.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby, product
+from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from . import colours, fonts
 from .halo import Halo
@@ -25,6 +28,11 @@ CLEAR = 0.7  # a number is nearer to its point by this factor than to any other,
 SEEN = 0.1  # the least length of such a line
 STEP = 0.03  # between the places of lines and numbers, and around a number or a line what it covers
 LINE, POINT, LED = 1.2, 40.0, 5.0  # what it costs to cover a place of a line, and any other; to need a leading line
+
+DIGIT = 0.8  # height of a digit on a line, in the size of the letters
+ENDS = 1.5  # widths of its number from either end of a line: of a shorter one too little would be left
+AS_FREE = 3.0  # times the place that a number needs: with more room none is better
+MOST_LINES = 60  # more have no room for numbers on them on the height of a page
 
 Values = NDArray[np.float64]
 
@@ -43,7 +51,12 @@ class NumberedPoint:
 
 
 def write(
-    ax: Axes, points: Sequence[NumberedPoint], lines: Sequence[Any], marks: Sequence[Any], inches: tuple[float, float]
+    ax: Axes,
+    points: Sequence[NumberedPoint],
+    lines: Sequence[Any],
+    marks: Sequence[Any],
+    inches: tuple[float, float],
+    on: Sequence[tuple[Sequence[str], Any]] = (),
 ) -> list[int]:
     """Write the numbers of points beside them; points at one place share a text, ``3, 4``, the needed ones if any is.
 
@@ -61,6 +74,9 @@ def write(
         Points that they may not cover, (2,) each.
     inches
         Width and height of the diagram.
+    on
+        Further lines, (n, 2) each, with the numbers that belong to each. Those which no point has are written on the
+        line, if they cover nothing else there.
     """
     low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
     per = np.array(inches) / (high - low)
@@ -77,8 +93,7 @@ def write(
         if not (clean or points[group[0]].needed):
             continue
         written += group
-        shares = np.stack(np.meshgrid(*(np.linspace(-0.5, 0.5, 2 + int(side / STEP)) for side in size)), axis=-1)
-        taken = np.concatenate([taken, _at_cost(middle + shares.reshape(-1, 2) * size, POINT)])
+        taken = np.concatenate([taken, _box(middle, size)])
         if led:
             taken = np.concatenate([taken, _at_cost(_along(np.stack([place, middle]))[1:], POINT)])
         ax.annotate(text, (points[group[0]].x, points[group[0]].y), 72 * (middle - place), textcoords="offset points",
@@ -86,7 +101,35 @@ def write(
                     path_effects=[Halo(2.0, 0.9)],
                     arrowprops={"arrowstyle": "-", "color": colours.INK, "linewidth": 0.5, "shrinkA": 0,
                                 "shrinkB": 1} if led else None)  # fmt: skip
+    said = {points[i].name.rstrip(ascii_lowercase) for i in written}
+    paths = [_along((line - low) * per) for _, line in on]
+    for k, (names, _) in enumerate(on if len(on) <= MOST_LINES else ()):
+        if text := join([name for name in names if name not in said]):
+            size = np.array([fonts.width_of(text, fonts.small()), DIGIT * fonts.small() / 72])
+            others = np.concatenate([taken[taken[:, 2] > LINE, :2], *paths[:k], *paths[k + 1 :]])
+            if (at := _free_place(paths[k], size, others, np.array(inches))) is not None:
+                taken = np.concatenate([taken, _box(at, size)])
+                ax.annotate(text, low + at / per, ha="center", va="center", size=fonts.small(), color=colours.INK,
+                            zorder=20, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3})  # fmt: skip
     return written
+
+
+def _free_place(line: Values, size: Values, others: Values, inches: Values) -> Values | None:
+    """The middle of a text of that size on a line, (n, 2), where other places are farthest; None where none is free."""
+    reach, cut = size / 2 + STEP, int(ENDS * size[0] / STEP)
+    places = line[cut : len(line) - cut]
+    places = places[((places >= reach) & (places <= inches - reach)).all(axis=1)]
+    if not len(places):
+        return None
+    away = KDTree(others / reach).query(places / reach, p=np.inf)[0] if len(others) else np.full(len(places), np.inf)
+    best = int(np.argmax(np.minimum(away, AS_FREE) - 0.1 * np.abs(np.linspace(-1, 1, len(places)))))
+    return np.asarray(places[best]) if away[best] > 1 else None
+
+
+def _box(middle: Values, size: Values) -> Values:
+    """The places that a text of that size takes, with their costs, (n, 3)."""
+    shares = np.stack(np.meshgrid(*(np.linspace(-0.5, 0.5, 2 + int(side / STEP)) for side in size)), axis=-1)
+    return _at_cost(middle + shares.reshape(-1, 2) * size, POINT)
 
 
 def join(names: Sequence[str]) -> str:

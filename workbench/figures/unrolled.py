@@ -180,7 +180,7 @@ def plan(
 
     worth = arrangement.WORTH if even else WORTH
     flat = tall / (FLAT * wide) if tall > STRAIGHT * wide > 0 else 1.0
-    return arrangement.in_rows(len(boxes), arrange, len(boxes), room[0], worth, flat)[1]
+    return arrangement.in_rows(len(boxes), arrange, len(boxes), room[0], worth, flat, ragged=not even)[1]
 
 
 def plan_lines(views: Sequence[UnrolledView], room: tuple[float, float], foot: tuple[float, float]) -> Arrangement:
