@@ -3,6 +3,8 @@
 Lengths on the page are in inches, to the right and down.
 """
 
+from typing import Any
+
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -88,7 +90,7 @@ def draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: 
     stands = upright and along < 1 - 1e-9
     length = round_below((TALL if stands else SCALE) / per_unit)
     half = length * per_unit / 2
-    look = {"color": colours.INK, "linewidth": 1.2, "capsize": 2.5, "capthick": 1.2}
+    look: dict[str, Any] = {"color": colours.INK, "linewidth": 1.2, "capsize": 2.5, "capthick": 1.2}
     words = f"{labels.number(length)} {unit}"
     if stands:
         ax.errorbar(x + 0.04, y, yerr=half, **look)
