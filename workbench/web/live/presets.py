@@ -1,7 +1,7 @@
 """The rods that the live page begins with: those that it offers, and that of a file or of options, in its own units."""
 
 import tomllib
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -41,9 +41,9 @@ class Preset:
     title: str
     source: str
     state: dict[str, Any]
-    spans: dict[str, Any] = field(default_factory=dict)
-    handle: str = "L"
-    sentence: str = "Move a slider, and the shape follows."
+    spans: dict[str, Any]
+    handle: str
+    sentence: str
 
 
 _ROWS = tomllib.loads(pages.read(__package__, "presets.toml"))["preset"]
@@ -74,9 +74,7 @@ def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]
     handle = next(name for name in (*varied, *HANDLES) if name in state["base"])
     who = "The study varies {0}: move it," if handle in varied else "Change {0},"
     sentence = f"{who.format(labels.axis_symbol(handle))} and the rod follows."
-    ends = {
-        name: (float(min(values)), float(max(values))) for name, values in varied.items() if min(values) < max(values)
-    }
+    ends = {name: (float(min(each)), float(max(each))) for name, each in varied.items() if min(each) < max(each)}
     return Preset(OWN, title, words, state, _spans(rod.case) | ends, handle, sentence)
 
 
