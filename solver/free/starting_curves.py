@@ -63,7 +63,7 @@ def let_go(sol: ShapeArrays, curves: Sequence[BeginningCurve | None]) -> tuple[C
     free = Case(case.rod, wall, held(height=height * case.rho))
     if not all(is_taut(beside.rod) for beside in problems_of(free)):
         return free, list(curves)
-    why = "whose axial force is kept: held ends as far apart as the rod is long leave it open"
+    why = "whose axial force is kept: held ends, the rod's length apart along the wall, leave it open"
     kept = [curve and replace(curve, name=f"{curve.name}, {why}") for curve in curves]
     return Case(case.rod, wall, held(FZ=sol.FZ)), kept
 

@@ -116,11 +116,11 @@ NEARLY_ALL = 0.95  # of the length with a pull. x10: the caution never says so
 # grade E-75 yields at 0.25 %, strong wire at 1 %. Plastics are linear to about 1 %, rubber to about 10 %. x10: no
 # caution on rods that yield
 LINEAR = {1e4: 0.0025, 1e3: 0.01, 0.0: 0.1}
-SURELY = min(LINEAR.values())  # where the unit of the modulus is not known
+SURELY = min(LINEAR.values())  # where the modulus or its unit is not known: that of metals
 JUDGED = ("kappa_max", MEETS, "push_min", "push_max", "attached", "height")  # the observables that a caution is made of
 
 
-def of_cases(sol: ShapeArrays, observed: Mapping[str, Any] | None = None, unit: str = "", linear: Any = SURELY) -> Any:
+def of_cases(sol: ShapeArrays, observed: Mapping[str, Any] | None = None, unit: str = "", linear: Any = None) -> Any:
     """The caution of each case, (*cases) of str.
 
     "" means that the rod was checked and is free of all of them, or that the case is not solved. "not checked" means
@@ -136,7 +136,7 @@ def of_cases(sol: ShapeArrays, observed: Mapping[str, Any] | None = None, unit: 
     unit : str
         Unit of length of the cases, in which a distance is stated; default: it is stated as a share of the length.
     linear : array, (*cases)
-        The strain up to which the material is surely linear.
+        The strain up to which the material is surely linear; default: that of metals, and the caution says so.
     """
     known = dict(observed or {})
     needed = [*JUDGED, *(error for name in JUDGED if (error := error_name(name)))]
@@ -147,8 +147,9 @@ def of_cases(sol: ShapeArrays, observed: Mapping[str, Any] | None = None, unit: 
     pulled, held = _pull(sol, known)
     unknown = zip(UNCHECKED, (~(tight | free), ~np.isfinite(meets), ~(pulled | held)), strict=True)
     text = np.full(sol.case.shape, "", dtype=object)
-    strains, linear = largest_strain(sol, known["kappa_max"]), np.broadcast_to(linear, sol.case.shape)
-    strained = _strain_words(strains, linear), strains > linear
+    strains, limit = largest_strain(sol, known["kappa_max"]), SURELY if linear is None else linear
+    of = "metals are " * (linear is None)
+    strained = _strain_words(strains, np.broadcast_to(limit, sol.case.shape), of), strains > limit
     sure = (TIGHT, tight), (MEETS, meets == 1), (TURNED, turns_back(sol, known["height"])), strained
     for words, where in (*sure, (_lift_off(sol, known, pulled, unit), pulled), *unknown):
         where = np.asarray(where) & sol.solved
@@ -210,10 +211,13 @@ def _bend_and_tension(sol: ShapeArrays) -> tuple[Array, Array]:
     return curvature(1.0, beta, speed), surface_forces(around, problem.phi, beta)[1]
 
 
-def _strain_words(strains: Any, linear: Any) -> Any:
-    """The strain of each rod that is strained too far, in words; "" of the others. (*cases) of str objects."""
+def _strain_words(strains: Any, linear: Any, of: str) -> Any:
+    """The strain of each rod that is strained too far, in words; "" of the others. (*cases) of str objects.
+
+    of: whose the limit is, where it is not that of materials of the rod's modulus.
+    """
     words, far = np.full(np.shape(strains), "", dtype=object), strains > linear
-    ends = {limit: f" %; linear to {_round(100 * limit)} %)" for limit in np.unique(linear).tolist()}
+    ends = {limit: f" %; {of}linear to {_round(100 * limit)} %)" for limit in np.unique(linear).tolist()}
     rows = zip(strains[far].tolist(), linear[far].tolist(), strict=True)
     words[far] = [f"{STRAINED} ({_round(100 * strain)}{ends[limit]}" for strain, limit in rows]
     return words

@@ -78,13 +78,15 @@ _ROWS = (
     _with_error("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature"),
     _with_error("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
     replace(_with_error("turns_around", "turns around", NUMBER, "turns around the cylinder"), former="wraps"),
-    _with_error("pitch", "pitch", LENGTH, "height of one turn about the axis, in the middle third"),
+    _with_error("pitch", "pitch", LENGTH, "height of one turn at the mean rate of the middle third"),
     _with_error(
         "contact_size_mean", "mean |f|", LINE_LOAD, "mean contact force (per length; the size of push and pull)"
     ),
     _with_error("push_mean", "mean push", LINE_LOAD, "mean push of the cylinder per length, pulls not counted"),
     _with_error("pull_mean", "mean pull", LINE_LOAD, "mean pull of the cylinder per length, pushes not counted"),
-    _with_error("push_min", "min push", LINE_LOAD, "smallest push of the cylinder per length, negative where it pulls"),
+    _with_error(
+        "push_min", "min push", LINE_LOAD, "smallest push of the cylinder per length (below 0 the rod would lift off)"
+    ),
     _with_error("push_max", "max push", LINE_LOAD, "largest push of the cylinder per length"),
     _with_error("push_max_at", "max push at s", LENGTH, "first s of the largest push"),
     _with_error(

@@ -10,7 +10,7 @@ from benchmarks.pipe_events import HELIX, SINUSOID, HalfWave, energy, events, pu
 from solver import Case, Cylinder, Ends, Rod, Start, observe, solve
 from solver.nodes.pipe_states import HELICAL, SINUSOIDAL, STRAIGHT, axial_force_along, azimuths, states
 from workbench.words import caution_words
-from workbench.words.pipe_profile import axial_force, profile
+from workbench.words.pipe_profile import axial_force, place_in_words, profile
 
 PIPE: dict[str, Any] = {"E": 2.06e8, "nu": 0.3, "a": 0.0635, "inner_radius": 0.0543, "weight": 0.241}  # kN and m
 
@@ -248,6 +248,19 @@ def test_the_rows_of_a_pipe_are_its_observables(L: float, inclination: str, load
     if "torque M3" in rows:
         assert rows["torque M3"].start == pytest.approx(float(seen["M30"]), rel=1e-9)
         assert rows["friction"].middle == pytest.approx(0.25 * push.middle, rel=1e-12)
+
+
+def test_a_number_that_is_the_same_all_along_a_pipe_is_largest_nowhere() -> None:
+    """The stress of 200 kN varies by 1e-5, as the pipe sways; in an inclined hole the weight changes it by 4 %."""
+    ends, places = Ends(beta0=0.0, betaL=0.0, FZ=-200.0), []
+    for inclination in ("90deg", "60deg"):
+        sol = solve(Case(Rod(**PIPE, L=60.0), Cylinder(0.10795, "inside", inclination), ends))
+        places.append({row.name: row.at for row in profile(sol, {"length": "m", "force": "kN"})})
+    level, steep = places
+    for name in ("axial force FZ", "axial stress"):
+        assert place_in_words(level[name], "m") == "everywhere"
+        assert place_in_words(steep[name], "m") == "at s = 0 m"
+    assert place_in_words(level["push of the wall"], "m") == "at s = 60 m"
 
 
 def test_the_largest_push_of_a_pipe_that_may_leave_the_wall_is_one_number() -> None:

@@ -96,8 +96,9 @@ def test_rods_of_every_kind_have_one_caution_on_strain() -> None:
     for sol in (solve(Case(*case)) for case in cases):
         strain = 2.6 if sol.held else 2.7
         assert sol.solved
-        for text in (str(caution_words.of_cases(sol, units=MILLIMETRES)), sol.caution):  # without units as of steel
-            assert f"strained ({strain} %; linear to 0.25 %)" in text
+        assert f"strained ({strain} %; linear to 0.25 %)" in str(caution_words.of_cases(sol, units=MILLIMETRES))
+        assert f"strained ({strain} %; metals are linear to 0.25 %)" in sol.caution  # the modulus has no unit
+        assert f"strained by {strain} %, but metals may be non-linear beyond 0.25 %." in caution_words.said(sol.caution)
         if sol.case.varies:
             told = pipe_words.all_sentences(sol, MILLIMETRES)
             assert sum("strained by 2.7 %" in sentence for sentence in told) == 1

@@ -333,7 +333,10 @@ def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
         tables.print_table(heads, [[row["load"], row["name"], plain(row["value"])] for row in found["limits"]])
     if found["profile"]:
         heads = ["", "unit", "s = 0", "middle", "largest", f"at s ({found['units']['length']})", "s = L"]
-        rows = [[row["name"], row["unit"], *(plain(row[name]) for name in PROFILE)] for row in found["profile"]]
+        rows = [
+            [row["name"], row["unit"], *(plain(row[name]).replace("nan", "everywhere") for name in PROFILE)]
+            for row in found["profile"]
+        ]
         console.say("")
         tables.print_table(heads, rows)
         console.say("middle: the mean of the middle third\n")
@@ -398,8 +401,13 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
 
 def _number(name: str, value: float, found: dict[str, Any]) -> str:
     """A number of a table in its unit, in the digits that its error allows, where that is known."""
+    from solver.observe.observables import OBSERVABLES
+
+    from ..words.free_rod_words import amount
+
     unit = size_shown(name, found["units"])
-    return within(value * unit, found["errors"].get(name, 0.0) * unit, IN_TABLES)
+    write = amount if name in OBSERVABLES and OBSERVABLES[name].least == 0 else within
+    return write(value * unit, found["errors"].get(name, 0.0) * unit, IN_TABLES)
 
 
 def _results(found: dict[str, Any]) -> dict[str, float]:

@@ -126,8 +126,9 @@ def _print_block(columns: Sequence[str], cells: Sequence[Any], widths: Sequence[
 
 
 def _is_number(text: str) -> bool:
-    """Whether a cell is a number, or empty, or a dash in the place of one."""
-    return text in ("", "-") or bool(re.fullmatch(r"[-+\u2212]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|nan|inf", text))
+    """Whether a cell is a number, also one with its error or a bound, or empty, or what stands in the place of one."""
+    number = r"[-+\u2212]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?"
+    return bool(re.fullmatch(rf"(less than )?{number}( ± {number})?|\(.* ± .*\)e[-+]\d+|nan|inf|-|everywhere|", text))
 
 
 def text_of(value: Any) -> str:

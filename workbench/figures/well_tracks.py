@@ -144,14 +144,14 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
     said = [f"State: {in_words(_states(rod), length)}, along s."]
     for name, (unit, values) in tracks.items():
         k = int(np.abs(values).argmax())
-        value, at = float(values[k]), float(depth[k])
+        value, at = float(values[k]), np.nan if pipe_profile.is_level(values) else float(depth[k])
         if name == PUSH and {"push_max", "push_max_at"} <= {*rod.case.variables}:  # between two stations too
             between = float(rod.case["push_max"]) * unit_habits.size_shown("push_max", rod.case.units)
             if between >= abs(value):
                 value, at = between, float(rod.case["push_max_at"])
         most = plain(float(np.abs(_away(rod, case, values)).max()))
         inner = f"; a wave away from the ends it is at most {most} {unit}" * (name == PUSH)
-        said.append(f"Largest {WORDS[name]}: {plain(value)} {unit} at {plain(at)} {length}{inner}.")
+        said.append(f"Largest {WORDS[name]}: {plain(value)} {unit} {pipe_profile.place_in_words(at, length)}{inner}.")
     if GAP in tracks:
         said += [f"P{text[1:]}." for text in free_rod_words.forces_in_words(rod.case.at(), rod.case.units)]
     limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_words.limits(case)]

@@ -13,7 +13,7 @@ from ..figures import canvas, crossing_rings, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array, TooFewStations
 from ..words import caution_words, labels, unit_habits
-from ..words.free_rod_words import known_to
+from ..words.free_rod_words import amount
 from . import dna_strands, long_rod, page, scene_kinds, signs
 from .body import ARROW, Body
 from .page import Mark, Page, Scene
@@ -311,7 +311,7 @@ def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str, st
             yield (wall + share * (rod - wall)) @ view.turn.T, signs.GAP, f"{size} {units['length']}"
         for at, away, force, error in body.pushes:
             start, tip = view.arrow(body, at, away, ARROW * body.R * force / largest, scene.camera)
-            yield start + share * (tip - start), signs.FORCE, f"{known_to(force, error, force)} {units['force']}"
+            yield start + share * (tip - start), signs.FORCE, f"{amount(force, error)} {units['force']}"
 
 
 def _marks_of_ends(scene: Scene, view: View, scale: float) -> Iterator[tuple[Array, str]]:

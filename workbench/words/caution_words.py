@@ -60,7 +60,7 @@ WORDS = {
 }
 NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 _POSSIBLE = (TURNED, STRAINED, AT_ENDS)  # what a real rod can do
-_STRAIN = re.compile(r"\((.+?) %; linear to (.+?) %\)")
+_STRAIN = re.compile(r"\((.+?) %; (?:(metals) are )?linear to (.+?) %\)")
 _EXTENT = re.compile(rf"\(((?:{NO_PUSH}|{PULL}) on .+? % of the length)(?: within (?:\S+ to )?(.+) an end)?\)")
 
 
@@ -110,7 +110,7 @@ def phrase(part: str, several: bool = False) -> str:
     if part.startswith(AT_ENDS):
         return f"would lift off next to {whose} ends alone: {_extent(part)}"
     if part.startswith(STRAINED) and (strain := _STRAIN.search(part)):
-        beyond = f"materials of {whose} modulus may be non-linear beyond {strain[2]} %"
+        beyond = f"{strain[2] or f'materials of {whose} modulus'} may be non-linear beyond {strain[3]} %"
         return f"{_words_of(part)[several]} by {strain[1]} %, but {beyond}"
     if part.startswith(PULLED):
         return WORDS[PULLED][several] + (f", {extent}" if (extent := _extent(part)) else "")

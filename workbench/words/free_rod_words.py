@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from decimal import ROUND_UP, Context
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,14 +27,15 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     length, force = units["length"], units["force"]
     numbers = {name: float(value) for name, value in observe(sol, ["gap_max", "contact_share"], errors=True).items()}
     held = hinges_on_wall(sol, f"{force} {length}")
-    gap = f"up to {within(numbers['gap_max'], numbers['gap_max_error'])} {length} off the wall"
+    gap = f"up to {amount(numbers['gap_max'], numbers['gap_max_error'])} {length} off the wall"
+    gap = gap.removeprefix("up to ") if gap.startswith("up to less") else gap
     if not sol.contacts:
         return [f"the rod touches the cylinder nowhere between its ends: {gap}", *held]
     share, where = numbers["contact_share"], places_of_contact(sol, length)
-    percent = known_to(100 * share, 100 * numbers["contact_share_error"], 100 * share)
+    percent = amount(100 * share, 100 * numbers["contact_share_error"])
     touches = f"lies on {percent} % of its length on the wall," if share else "touches the wall"
-    said = [f"the rod {touches} {where}; it is {gap}"]
-    return [*said, *forces_in_words(sol, units), *held]
+    said = f"the rod {touches} {where}" + f"; it is {gap}" * (numbers["gap_max"] > 0)
+    return [said, *forces_in_words(sol, units), *held]
 
 
 def hinges_on_wall(sol: "Solution", unit: str) -> list[str]:
@@ -69,7 +71,7 @@ def forces_in_words(sol: "Solution", units: Mapping[str, str]) -> list[str]:
 def point_forces(sol: "Solution") -> list[tuple[str, str]]:
     """Where each point force of the wall acts, and its size, in the digits that their errors allow."""
     pairs = zip(sol.point_forces, _errors_of_forces(sol), strict=True)
-    return [(_place(sol, s), known_to(force, error, force)) for (s, force), error in pairs]
+    return [(_place(sol, s), amount(force, error)) for (s, force), error in pairs]
 
 
 def _errors_of_forces(sol: "Solution") -> list[float]:
@@ -81,15 +83,22 @@ def _errors_of_forces(sol: "Solution") -> list[float]:
 def _place(sol: "Solution", s: float) -> str:
     """Where a contact begins or ends: an end of the rod, or in the digits that the error allows."""
     shortest = min((high - low for low, high in sol.contacts if high > low), default=math.inf)
-    return known_to(s, error_beside(sol, s, 0) * float(sol.case.rho) * (0 < s < float(sol.case.rod.L)), shortest)
+    return _known_to(s, error_beside(sol, s, 0) * float(sol.case.rho) * (0 < s < float(sol.case.rod.L)), shortest)
 
 
-def known_to(value: float, error: float, size: float) -> str:
-    """A number as `within`; with its error, ``60 ± 97``, where that rounding might change a size by its own amount.
+def amount(value: float, error: float, digits: int = 4) -> str:
+    """A number that is never negative as `_known_to`, or, where its error is larger than itself, ``less than 1.6``."""
+    if value < error < math.inf:
+        return f"less than {plain(float(Context(prec=2, rounding=ROUND_UP).create_decimal(repr(value + error))))}"
+    return _known_to(value, error, value, digits)
+
+
+def _known_to(value: float, error: float, size: float, digits: int = 4) -> str:
+    """A number as `within`; with its error, ``60 ± 24``, where that rounding might change a size by its own amount.
 
     size: of the number itself, or of a stretch that begins or ends there.
     """
-    return with_error(value, error) if size < 10 * error < math.inf else within(value, error)
+    return with_error(value, error) if size < 10 * error < math.inf else within(value, error, digits)
 
 
 def error_beside(sol: "Solution", s: float, kind: int, k: int = 0) -> float:

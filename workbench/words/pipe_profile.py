@@ -9,7 +9,7 @@ import numpy as np
 from solver.numerics.roots import largest_between
 from solver.problem.dimensionless import flat
 
-from .unit_habits import CURVATURES, dogleg_unit, size_shown, unit_shown
+from .unit_habits import CURVATURES, dogleg_unit, plain, size_shown, unit_shown
 from .unit_habits import size as size_of
 
 if TYPE_CHECKING:
@@ -19,13 +19,14 @@ if TYPE_CHECKING:
 FORCE, PUSH, DOGLEG = "axial force FZ", "push of the wall", "dogleg of the pipe"
 STRESSES = ("axial stress", "bending stress", "both stresses together")
 ROUNDING = 1e-12  # relative
+LEVEL = 1e-4  # relative: a smaller change along a rod shows in none of four digits
 GAUSS = 8  # places between two nodes, for a mean
 
 
 class ProfileRow(NamedTuple):
     """A quantity along a rod: at s = 0, its mean over the middle third, its largest size and where, and at s = L.
 
-    inside: its largest size at least a wave away from both ends.
+    at: NaN where it is as large everywhere. inside: its largest size at least a wave away from both ends.
     """
 
     name: str
@@ -65,10 +66,21 @@ def profile(sol: "Solution", units: dict[str, str]) -> list[ProfileRow]:
     peaks = np.empty((at.size, at.size))
     peaks[:, order] = read(at[order])
     start, far = read(t[[0, -1]]).T
-    numbers = np.stack([start, _means(read, nodes), peaks.diagonal(), at * rho, far, inside], axis=1)
+    at = np.where(is_level(np.concatenate([read(t), peaks], axis=1)), np.nan, at * rho)
+    numbers = np.stack([start, _means(read, nodes), peaks.diagonal(), at, far, inside], axis=1)
     numbers[np.abs(numbers) < ROUNDING * np.maximum(largest, 1e-300)[:, None]] = 0.0
     heads = [(name, unit) for name, unit, _ in quantities(sol.case, _at_times(sol, t[:1]), units)]
     return [ProfileRow(*head, *row) for head, row in zip(heads, numbers.tolist(), strict=True)]
+
+
+def is_level(values: Any) -> Any:
+    """Whether numbers along a rod (..., n) are the same all along in four digits, so that none is the largest."""
+    return np.ptp(values, axis=-1) <= LEVEL * np.abs(values).max(axis=-1)
+
+
+def place_in_words(at: float, unit: str = "") -> str:
+    """Where a quantity is largest: ``at s = 53.71 m``; ``everywhere`` for NaN."""
+    return "everywhere" if math.isnan(at) else f"at s = {plain(at)} {unit}".rstrip()
 
 
 def _means(read: Any, nodes: Any) -> Any:

@@ -11,7 +11,7 @@ from solver.observe.observables import NO_TORQUE
 from solver.problem.declared_fields import OFF_WALL
 
 from . import caution_words, outcome_counts, unit_habits
-from .pipe_profile import PUSH, ROUNDING, ProfileRow, axial_force, number, profile, weight_across
+from .pipe_profile import PUSH, ROUNDING, ProfileRow, axial_force, number, place_in_words, profile, weight_across
 from .unit_habits import plain
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def all_sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     rows = profile(sol, units)
     each = [
         f"{row.name}: {plain(row.start)} {row.unit} at s = 0; {plain(row.far)} at s = L; in the middle third "
-        f"{plain(row.middle)}; at most {plain(row.largest)}, at s = {plain(row.at)}"
+        f"{plain(row.middle)}; at most {plain(row.largest)}, {place_in_words(row.at)}"
         for row in rows
     ]
     loads = [f"{row.load} {plain(row.value)} {units['force']} ({row.name})" for row in limits(sol.case)]
