@@ -78,7 +78,7 @@ _ROWS = (
     _with_error("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature"),
     _with_error("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
     replace(_with_error("turns_around", "turns around", NUMBER, "turns around the cylinder"), former="wraps"),
-    _with_error("pitch", "pitch", LENGTH, "height of one turn at the mean rate of the middle third"),
+    _with_error("pitch", "pitch", LENGTH, "height per turn about the axis, in the middle third"),
     _with_error(
         "contact_size_mean", "mean |f|", LINE_LOAD, "mean contact force (per length; the size of push and pull)"
     ),
