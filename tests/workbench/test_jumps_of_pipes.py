@@ -55,4 +55,5 @@ def test_the_word_of_an_unsolved_pipe_stands_before_the_curves(pipes: xr.Dataset
 def test_the_largest_push_that_is_said_is_that_of_solve_and_not_of_a_station(pipes: xr.Dataset) -> None:
     said = " ".join(canvas.caption(figure_kinds.figure(StoredStudy(pipes), "well", at={"wob": 68.0})))
     most = float(pipes["push_max"].sel(wob=68.0)) * 1000  # lbf/ft
-    assert f"Largest push of the wall: {most:.4g} lbf/ft at s = {float(pipes['push_max_at'].sel(wob=68.0)):.4g} ft" in said
+    at = float(pipes["push_max_at"].sel(wob=68.0))
+    assert f"Largest push of the wall: {most:.4g} lbf/ft at s = {at:.4g} ft" in said
