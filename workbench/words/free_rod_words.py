@@ -58,10 +58,11 @@ def places_of_contact(sol: "Solution", length: str) -> str:
 
 
 def forces_in_words(sol: "Solution", units: Mapping[str, str]) -> list[str]:
-    """The point forces of the wall that are larger than their errors, and how many are not, in a sentence; none without
-    any."""
+    """The point forces of the wall in a sentence, of more than `MOST` those that are larger than their errors, and how
+    many are not; none without any."""
     errors, each = _errors_of_forces(sol), point_forces(sol)
-    known = [words for words, (_, size), error in zip(each, sol.point_forces, errors, strict=True) if size > error]
+    rows, few = zip(each, sol.point_forces, errors, strict=True), len(each) <= MOST
+    known = [words for words, (_, size), error in rows if few or size > error]
     said = [", ".join(f"{size} {units['force']} at {s}" for s, size in known) + f" {units['length']}"] * bool(known)
     others = len(each) - len(known)
     said += [f"{others} {'more ' * bool(known)}no larger than {'its error' if others == 1 else 'their errors'}"]
