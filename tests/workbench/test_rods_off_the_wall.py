@@ -299,7 +299,9 @@ def test_a_place_that_its_error_hides_is_told_with_the_error() -> None:
     errors = [free_rod_words.error_beside(sol, place, 0) * 206.0 for place in (low, high)]
     assert high - low < min(errors)
     number = r"([\d.]+) ± ([\d.]+)"
-    told = re.search(f"lies on less than ([\\d.]+) % of its length on the wall, at s = {number} to {number} mm", contact)
+    told = re.search(
+        rf"lies on less than ([\d.]+) % of its length on the wall, at s = {number} to {number} mm", contact
+    )
     assert told is not None
     share, *places = map(float, told.groups())
     assert places == pytest.approx([low, errors[0], high, errors[1]], abs=min(errors) / 4)
