@@ -248,7 +248,8 @@ def decide(
     counts : collection of str
         The expressions among the observables that are whole numbers.
     known : mapping of arrays, optional
-        The numbers that the formulas of the law use, by name; each broadcasts to the grid.
+        The numbers that the formulas of the law use, by name; each broadcasts to the grid. "solved": whether each case
+        is solved; where one without a value is, the observable is not defined.
     rows : sequence of CaseRow, optional
         The lines of cases that are no grid, as a refinement leaves them; observed and known are then (cases,). A line
         on which cases of the coarse grid are not stored counts where its other cases go against the law.
@@ -395,6 +396,9 @@ def _judge(law: Law, name: str, values: NDArray[Any], grid: Grid) -> Callable[[C
     compared = {
         key: (at.reshape(-1), why.reshape(-1)) for key, (at, why) in targets(law, values.shape, grid.known).items()
     }
+    undefined = np.broadcast_to(grid.known.get("solved", False), values.shape).reshape(-1) & ~np.isfinite(
+        values.reshape(-1)
+    )
     count, rule, kind, flat = name in grid.counts or is_count(name), law.rule, KINDS[law.kind], values.reshape(-1)
 
     def judge(row: CaseRow) -> Verdict:
@@ -409,6 +413,7 @@ def _judge(law: Law, name: str, values: NDArray[Any], grid: Grid) -> Callable[[C
             targets=mine,
             why="; ".join(dict.fromkeys(texts)),
             added=row.added,
+            undefined=row.take(undefined).astype(bool) & row.has_case,
         )
         verdict = kind.judge(line, rule)
         return verdict if row.has_case.all() else replace(verdict, reason=law_words.BETWEEN)

@@ -11,7 +11,8 @@ Tau is tau-b: (right pairs - wrong pairs) / sqrt(all pairs x pairs whose values 
 
 Laws of other `KINDS` than a direction compare the line with numbers: a formula, bounds, an exponent, the place of a
 boundary. *true*: every case agrees. *not decided*: cases without a value, or too few or too wide steps, leave it open.
-*false*: a case disagrees, whatever the missing ones are.
+*false*: a case disagrees, whatever the missing ones are. A formula and bounds do not count the solved cases in which
+the observable is not defined.
 """
 
 import math
@@ -102,7 +103,8 @@ class Line:
     values: (n,), not finite where there is no value. cut: (n - 1,), the steps that cross to another branch. count:
     whether the values are a count. axis: its name. along: its values, (n,). targets: key of the law -> (n,). why: why a
     target has no value, or "". A law with a direction needs none of these four. added: (n,), the cases that a
-    refinement added where something changes; default: none. The others lie evenly.
+    refinement added where something changes; default: none. The others lie evenly. undefined: (n,), the solved cases in
+    which the observable is not defined; laws that compare each case with a number do not count them; default: none.
     """
 
     values: Array
@@ -113,6 +115,7 @@ class Line:
     targets: Mapping[str, Array] = field(default_factory=dict)
     why: str = ""
     added: NDArray[np.bool_] | None = None
+    undefined: NDArray[np.bool_] | None = None
 
     @property
     def even(self) -> NDArray[np.int64]:
@@ -505,9 +508,12 @@ def _of_cases(
     """The verdict on cases that each agree or not. numbers: that were measured; empty where no case has a value."""
     words = finding(numbers, rule, line.axis, as_given) if numbers else "no case has a value"
     exceptions = [(int(i), int(i)) for i in np.flatnonzero(wrong)]
-    reason, far = line.gap_words(), numbers.get("off", float(len(exceptions)))
-    verdict = FAILS if exceptions else UNDECIDED if reason else HOLDS
-    return Verdict(verdict, None, exceptions, reason, words, numbers, far)
+    counted = np.ones(wrong.shape, dtype=bool) if line.undefined is None else ~line.undefined
+    left, targets = line.values[counted], {key: target[counted] for key, target in line.targets.items()}
+    reason, far = replace(line, values=left, targets=targets).gap_words(), numbers.get("off", float(len(exceptions)))
+    verdict = FAILS if exceptions else UNDECIDED if reason or not left.size else HOLDS
+    beside = f"not defined in {int((~counted).sum())} of {counted.size} cases" if not counted.all() else ""
+    return Verdict(verdict, None, exceptions, "; ".join(filter(None, [reason, beside])), words, numbers, far)
 
 
 def _one_sign(values: Array) -> bool:

@@ -94,17 +94,22 @@ EDGE = 1e-9  # of an axis: a place so near to an edge of a cell lies on it
 
 
 class Ticks(Formatter):
-    """The numbers of the ticks of an axis in full, all with the same number of decimals."""
+    """The numbers of the ticks of an axis, with the same number of decimals; in full, or with one power of ten."""
 
     def format_ticks(self, values: Iterable[float]) -> list[str]:
         """The numbers of all ticks."""
         values = [float(value) for value in values]
         texts = [f"{value:.10g}" for value in values]
         decades = len(values) > 1 and min(values) > 0 and max(values) >= 100 * min(values)
-        if decades or any("e" in text for text in texts):
+        if decades:
             return [self(value) for value in values]
+        factor = floor(log10(max(map(abs, values)))) if any("e" in text for text in texts) else 0
+        texts = [f"{value / 10.0**factor:.10g}" for value in values]
         decimals = max((len(text.partition(".")[2]) for text in texts), default=0)
-        return [labels.minus_signs(f"{value or 0.0:.{decimals}f}") for value in values]
+        texts = [f"{float(text) or 0.0:.{decimals}f}" for text in texts]
+        if factor:
+            texts = [labels.powers_of_ten(f"{text}e{factor}") if float(text) else "0" for text in texts]
+        return [labels.minus_signs(text) for text in texts]
 
     def __call__(self, value: float, pos: int | None = None) -> str:
         """The number of one tick by itself."""

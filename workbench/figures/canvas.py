@@ -322,14 +322,16 @@ def write_below(fig: Figure, said: Said) -> None:
     add_to_caption(fig, [sentence for sentence in said if isinstance(sentence, str)])
     if not entries:
         return
-    columns, names = legend_room.legend_columns(list(entries), fig.get_figwidth() - 0.3)
+    columns, names = legend_room.legend_columns(
+        list(entries), fig.get_figwidth() - 0.3, handle=legend_room.HANDLE + 0.1
+    )
     fig.legend(
         list(entries.values()),
         names,
         ncols=columns,
         loc="outside lower left",
         alignment="left",
-        handlelength=1.8,
+        handlelength=2.6,
         handleheight=1.2,
     )
 

@@ -87,7 +87,8 @@ def figure(stored: "StoredStudy", kind: str | None = None, sheet: "Sheet | None"
 
 
 def kind_of(stored: "StoredStudy", kind: str | None = None, given: Sequence[str] = ()) -> str:
-    """The kind of picture of a study: the one that is asked for; default: a map over two axes, one rod, else lines.
+    """The kind of picture of a study: the one that is asked for; default: a map over two axes, one rod, else lines,
+    also along axes of `FEW` values.
 
     given: options; a study whose default kind does not have them is drawn in the first kind that does.
 
@@ -108,6 +109,9 @@ def kind_of(stored: "StoredStudy", kind: str | None = None, given: Sequence[str]
     return kind
 
 
+FEW = 3  # values of an axis, up to which a study of two axes is drawn as lines
+
+
 def _default_kind(stored: "StoredStudy") -> str:
     from studies.grammar.axes import SAMPLE
 
@@ -115,7 +119,8 @@ def _default_kind(stored: "StoredStudy") -> str:
 
     if stored.is_refined and stored.varied:
         return "map" if len(stored.refinement.lattice.axes) > 1 else "lines"
-    is_map = len(mappable(stored)) > 1 and SAMPLE not in stored.axes and stored.observables
+    long = [axis for axis in mappable(stored) if stored.sizes[axis] > FEW]
+    is_map = len(long) > 1 and SAMPLE not in stored.axes and stored.observables
     return "map" if is_map else kind_without_map(stored)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 
 from studies.laws import law_words
@@ -79,11 +80,15 @@ def _rule(law: LawLine) -> str:
     if kind == "scales":
         return f": exponent {labels.number(rule['exponent'])} ± {labels.number(rule['within'])}"
     places = np.unique(law.compared["x"])
-    place = labels.formula(law.formulas, rule["x"], law.axis)
+    place, within = labels.formula(law.formulas, rule["x"], law.axis), labels.one_word(rule["within"], law.axis)
     if places.size == 1 and np.isfinite(places[0]):
-        place = labels.one_word(float(places[0]), law.axis).partition(labels.NO_BREAK)[0]
+        texts = [labels.number(float(labels.in_label_unit(law.axis, each))) for each in (places[0], rule["within"])]
+        unit = within[len(labels.powers_of_ten(texts[1])) :]
+        decimals = max(len(text.partition(".")[2]) for text in texts)
+        place, within = (text if "e" in text else f"{float(text):.{decimals}f}" for text in texts)
+        within += unit
     passed = labels.formula(law.formulas, rule["passes"], law.observable)
-    return f" = {passed} at {place} ± {labels.one_word(rule['within'], law.axis)}"
+    return f" = {passed} at {place} ± {within}"
 
 
 def _exponent_note(row: Mapping[str, Any]) -> str:
@@ -101,7 +106,7 @@ def _message(law: LawLine) -> tuple[str, str]:
         return noun, labels.typeset(_rule(law))
     if not values.size:
         return noun, ""
-    first, last = (labels.value(end, law.observable) for end in (values[0], values[-1]))
+    first, last = labels.values_alike(law.observable, values[[0, -1]])
     if np.ptp(values) <= NOISE * np.abs(values).max():
         return f"{noun} stays at {first}", ""
     steps = np.sign(np.diff(values)) * np.sign(values[-1] - values[0])
@@ -116,19 +121,19 @@ def _message(law: LawLine) -> tuple[str, str]:
 
 def caption_of(law: LawLine) -> str:
     """The sentence of a caption on a law: the law, its verdict with what was measured, the other observables."""
-    row, show = law.row, _show(law)
+    row, show = law.row, show_of(law.formulas, law.observable, law.axis)
     others = law_words.others(row, lambda name: labels.symbol(law.others[name]))
     measured = law_words.measurement(row, show)
     said = law_words.join([row["verdict"], labels.law_text(row, measured)]).rstrip(".")
     return f"{row['claim']}: {sentence(law)}; {said}. {others}".rstrip()
 
 
-def _show(law: LawLine) -> Show:
-    """How a law writes a number or a formula: with units and symbols."""
+def show_of(formulas: Mapping[str, str], observable: xr.DataArray, axis: xr.DataArray) -> Show:
+    """How a law on an observable along an axis writes a number or a formula: with units and symbols."""
 
     def show(value: Any, of: str) -> str:
-        named = f"{labels.symbol(law.axis)} = " if of == "place" else ""
-        return named + labels.formula(law.formulas, value, law.observable if of == "observable" else law.axis)
+        named = f"{labels.symbol(axis)} = " if of == "place" else ""
+        return named + labels.formula(formulas, value, observable if of == "observable" else axis)
 
     return show
 
@@ -163,7 +168,9 @@ def _with_tolerance(law: LawLine) -> str:
 
 
 def _equals(ax: Axes, law: LawLine, along: Any) -> None:
-    values, rule = _heights(law, "formula"), law.row["rule"]
+    counted = np.where(law.solved & ~np.isfinite(law.values), np.nan, _heights(law, "formula"))
+    along, values = (np.insert(row, law.broken, np.nan) for row in (along, counted))
+    rule = law.row["rule"]
     if rule.get("relative") is None:
         half = labels.in_label_unit(law.observable, rule["absolute"])
     else:
@@ -178,7 +185,8 @@ def _equals(ax: Axes, law: LawLine, along: Any) -> None:
 
 def _allow(ax: Axes, along: Any, line: Any, low: Any, high: Any) -> None:
     """Shade what a law allows, and name it where the line does not hide it."""
-    seen = 2 * np.median(np.maximum(high - line, line - low)) * fonts.inches(ax)[1] * 72 >= SEEN * np.ptp(ax.get_ylim())
+    across = 2 * np.nanmedian(np.maximum(high - line, line - low)) / np.ptp(ax.get_ylim())
+    seen = across * fonts.inches(ax)[1] * 72 >= SEEN
     ax.fill_between(along, low, high, label=ALLOWED if seen else "", **BAND)
 
 
@@ -243,7 +251,8 @@ def _line(ax: Axes, along: Any, values: Any, label: str, look: Any = DASHED) -> 
 def sentence(law: LawLine) -> str:
     """``push in the middle equals FZ²·ρ/(4·EI) within 1 %, along FZ``."""
     noun = (labels.long_name if law.row["kind"] == MONOTONE else labels.symbol)(law.observable)
-    text = law_words.law_in_words(law.row, noun, labels.symbol(law.axis), _show(law))
+    show = show_of(law.formulas, law.observable, law.axis)
+    text = law_words.law_in_words(law.row, noun, labels.symbol(law.axis), show)
     return labels.typeset(text.replace(" %", f"{labels.NO_BREAK}%"))
 
 

@@ -39,19 +39,20 @@ def clear(fig: Figure) -> float:
     return sum(needed.values())
 
 
-def legend_columns(names: Sequence[str], width: float, most: int = 2) -> tuple[int, list[str]]:
+def legend_columns(names: Sequence[str], width: float, most: int = 2, handle: float = HANDLE) -> tuple[int, list[str]]:
     """The columns of a legend of one entry or more, and its names in lines, where it is lowest in so many inches.
 
-    most: lines of a name in one of several columns; alone it takes as many as it needs.
+    most: lines of a name in one of several columns; alone it takes as many as it needs. handle: inches of an entry
+    beside its name.
     """
     size, tried = fonts.small(), []
     for columns in range(1, len(names) + 1):
-        room = max((width + GAP) / columns - HANDLE, 0.0)
+        room = max((width + GAP) / columns - handle, 0.0)
         broken = [fonts.break_lines(name, room, size) for name in names]
         for written in (list(names), broken):
             lines = [name.count("\n") + 1 for name in written]
             across = sum(
-                HANDLE + max(fonts.width_of(name, size) for name in part)
+                handle + max(fonts.width_of(name, size) for name in part)
                 for part in np.array_split(np.array(written, dtype=object), columns)
             )
             if (max(lines) <= most and across <= width + GAP) or (columns == 1 and written is broken):

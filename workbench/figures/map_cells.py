@@ -93,7 +93,7 @@ class Cells:
         of the bends of nearly straight rods, (n,)."""
         if SAMPLE not in self.source.sizes or name != BENDS:
             return np.zeros(self.source["outcome"].size, dtype=bool)
-        return np.asarray((self.source[LEVEL].values > 0) & (swings(self.source) < STRAIGHT))
+        return np.asarray((self.source[LEVEL].values > 0) & unbent(self.source, name))
 
     def values(self, name: str) -> NDArray[np.float64]:
         """An observable in the unit of its label, NaN where a cell is not solved, turns back or has no known number,
@@ -115,6 +115,11 @@ class Cells:
     def unbent(self, name: str) -> NDArray[np.bool_]:
         """Where an observable is the number of bends of a rod that is nearly straight."""
         return self.straight & (name == BENDS)
+
+
+def unbent(stored: StoredStudy, name: str) -> NDArray[np.bool_]:
+    """The cases of which an observable is the number of bends of a rod that is nearly straight."""
+    return swings(stored) < STRAIGHT if name == BENDS else np.zeros(stored["outcome"].shape, dtype=bool)
 
 
 def mappable(stored: StoredStudy) -> list[str]:

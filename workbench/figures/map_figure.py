@@ -25,7 +25,7 @@ from studies.laws.line_verdicts import HOLDS, VERDICTS
 from ..stored import stored_verdicts
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import canvas, colours, fonts, map_panel, print_heights
+from . import canvas, colours, fonts, law_panel, map_panel, print_heights
 from .map_cells import MOST_MAPS, Cells, Choice, cells, choose, raster_of
 from .sheet import SCREEN, Sheet
 
@@ -241,8 +241,9 @@ class _JudgedLaw:
         row = self.row
         at = ", ".join(labels.equation(stored[name], value) for name, value in row["at"].items())
         at = at.replace(" ", "\N{NO-BREAK SPACE}")
-        text = law_words.law_in_words(row, labels.noun_of(row["observable"]), labels.axis_symbol(row["axis"]))
-        said = f"{row['claim']}: {text}; {row['verdict']}"
+        show = law_panel.show_of(stored.expressions, stored[row["observable"]], stored[row["axis"]])
+        text = law_words.law_in_words(row, labels.noun_of(row["observable"]), labels.axis_symbol(row["axis"]), show)
+        said = f"{row['claim']}: {labels.typeset(text)}; {row['verdict']}"
         if not at:
             return said
         place = {

@@ -48,8 +48,6 @@ SIZES = {".": 2.8, "x": 2.4}  # points of a mark where there are many; with few 
 LARGER = 1.6
 MOST_SHAPES, FILL = 12, 0.86  # shapes along an axis; of the room of a shape that it fills
 HALO = Halo(2.2, 0.75)
-LED = 14  # points from a region without room to the middle of its number
-LEADER: Any = {"arrowstyle": "-", "color": colours.INK, "linewidth": 0.6, "shrinkA": 1, "shrinkB": 0}
 
 
 class Colours:
@@ -183,8 +181,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
 
 
 def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inches: tuple[float, float]) -> None:
-    """The borders of the regions of a count, and its number in each that has room for it; of a number without room
-    beside the largest region, with a line to it.
+    """The borders of the regions of a count, and its number in each that has room for it; the bar of colours has all.
 
     Many counts are taken in classes of 2, 5, 10, ..., which have their first and their last.
     """
@@ -192,8 +189,7 @@ def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inch
     step = next(step for step in steps if scale.high - scale.low <= MOST_CLASSES * step)
     classes = np.floor(values / step) * step
     cells.draw_borders(ax, classes, colors=colours.INK, linewidths=0.5, capstyle="projecting")
-    per, named = (inches[1] / cells.y.values.size, inches[0] / cells.x.values.size), set[float]()
-    narrow = dict[float, tuple[int, str, tuple[float, float]]]()
+    per = inches[1] / cells.y.values.size, inches[0] / cells.x.values.size
     for number, area in regions.areas(classes):
         last = f"–{labels.tick(number + step - 1)}" if step > 1 else ""
         text = "nearly straight" if number < 0 else f"{labels.tick(number)}{last}"
@@ -202,33 +198,8 @@ def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inch
         if middle is not None:
             words = ax.text(cells.x.between(middle[1]), cells.y.between(middle[0]), text, ha="center", va="center",
                             size=fonts.small(), color=colours.INK, path_effects=[HALO], zorder=5)  # fmt: skip
-            named.add(number)
             if number < 0:  # it is wider than the distance of the cases
                 words.set_bbox({"facecolor": colours.BAND, "edgecolor": "none", "pad": 1})
-        elif number >= 0 and (within := regions.place(area, per, (0.0, 0.0))):
-            narrow[number] = max(narrow.get(number, (0, "", (0.0, 0.0))), (int(area.sum()), text, within))
-    for number in narrow.keys() - named:
-        _, text, middle = narrow[number]
-        place = cells.x.between(middle[1]), cells.y.between(middle[0])
-        lead(ax, text, place, (0, LED * (1 if middle[0] < cells.y.values.size / 2 else -1)))
-
-
-def lead(ax: Axes, text: str, place: tuple[float, float], away: tuple[float, float], **look: Any) -> None:
-    """Write a text so many points (2,) away from a place, with a line to it; look: of `Axes.annotate`."""
-    ax.annotate(
-        text,
-        place,
-        away,
-        textcoords="offset points",
-        ha="center",
-        va="center",
-        size=fonts.small(),
-        color=colours.INK,
-        path_effects=[HALO],
-        zorder=6,
-        arrowprops=LEADER,
-        **look,
-    )
 
 
 def _show_samples(ax: Axes, cells: Cells, name: str, inches: tuple[float, float]) -> None:

@@ -20,7 +20,7 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, regions, unrolled
 from .equilibria_figure import one_shown
-from .map_panel import HALO, LED, lead
+from .map_panel import HALO
 from .sheet import SCREEN, Sheet
 
 HIGH = 0.62  # height of the map over its width
@@ -28,6 +28,8 @@ SHAPE, SMALL_SHAPE = 0.5, 0.3  # inches, the longer side of the largest shape, a
 NARROW = 4.0  # inches of a map
 MOST, APART, PAD = 4, 0.15, 0.09  # shapes in a region; inches between two of them, and more than a text has
 CLEAR = 0.06  # inches about a mark without letters
+LEADER: Any = {"arrowstyle": "-", "color": colours.INK, "linewidth": 0.6, "shrinkA": 1, "shrinkB": 0}
+LED = 14  # points from a region without room to the middle of its number
 WAYS = ((-1, 0), (1, 0), (0, 1), (0, -1), (-1, 1), (-1, -1), (1, 1), (1, -1))  # up and across, to a text without room
 GIVEN = ("the given rod", "the rod of Table 1")  # what the map was made of
 CURVES = {  # as of `_curves`
@@ -266,7 +268,7 @@ def _name_regions(
         if free := next(((way, box) for way, box in boxes if box.size and box.min() == box.max() >= 0), None):
             free[1][:] = -1
             up, across = (place / side for place, side in zip(foot, numbers.shape, strict=True))
-            lead(ax, texts[k], (across, up), (72 * free[0][1], 72 * free[0][0]), xycoords=ax.transAxes)
+            _lead(ax, texts[k], (across, up), (72 * free[0][1], 72 * free[0][0]), xycoords=ax.transAxes)
             left_out.remove(k)
     note = f"Shapes: unrolled views of the stable equilibria, {fonts.WAYS}, all at one scale; dot: s = 0."
     return [note, SHAPES] * drawn, left_out
@@ -297,3 +299,21 @@ def _rho(stored: StoredStudy) -> Any:
         return np.full(stored.sizes["region"], float(stored["rho"]))
     R, a = (stored[f"region_{n}"].values if f"region_{n}" in stored else float(stored[n]) for n in ("R", "a"))
     return R + (1 if stored.attrs["side"] == "outside" else -1) * a
+
+
+def _lead(ax: Axes, text: str, place: tuple[float, float], away: tuple[float, float], **look: Any) -> None:
+    """Write a text so many points (2,) away from a place, with a line to it; look: of `Axes.annotate`."""
+    ax.annotate(
+        text,
+        place,
+        away,
+        textcoords="offset points",
+        ha="center",
+        va="center",
+        size=fonts.small(),
+        color=colours.INK,
+        path_effects=[HALO],
+        zorder=6,
+        arrowprops=LEADER,
+        **look,
+    )

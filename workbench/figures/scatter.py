@@ -16,6 +16,7 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, print_heights
 from .axis_scales import SPARE, RoomLocator, set_scale
+from .map_cells import unbent
 from .sheet import SCREEN, Sheet
 from .trends import Values, mark_missing
 
@@ -32,7 +33,8 @@ def figure(stored: StoredStudy, show: Sequence[str] = (), sheet: Sheet = SCREEN)
     """Draw each observable against each sampled field.
 
     Beside samples the study may have axes: they are held where the laws or Table 1 put them. Each panel says the rank
-    correlation (Spearman) of its two quantities, over the samples that have a number. In print the caption names the
+    correlation (Spearman) of its two quantities, over the samples that have a number; not where a refinement chose the
+    cases. Bends of nearly straight rods are left out, as of a map. In print the caption names the
     observables that have no room.
 
     Parameters
@@ -95,13 +97,17 @@ def _rows(stored: StoredStudy, names: Sequence[str], width: float, narrow: bool)
     ]
     count, at = stored.sizes[SAMPLE], stored.equations(held)
     dense = "; the darker, the more samples" if count > MANY else ""
-    return rows, f"{count} sample{'s' * (count != 1)}{f', at {at}' if at else ''}; r: rank correlation{dense}."
+    known = "" if stored.is_refined else "; r: rank correlation"
+    said = f"{count} sample{'s' * (count != 1)}{f', at {at}' if at else ''}{known}{dense}."
+    left_out = any(unbent(stored.select(held), name).any() for name in names)
+    return rows, said + " Bends of nearly straight rods are left out." * left_out
 
 
 def _draw_samples(stored: StoredStudy, ax: Axes, name: str, field: str, room: float) -> None:
     """One observable against one field, on a panel of so many inches."""
     x, y = (labels.in_label_unit(stored[key], stored[key].values) for key in (field, name))
-    known, solved = np.isfinite(y), stored["solved"].values
+    straight, solved = unbent(stored, name), stored["solved"].values
+    known = np.isfinite(y) & ~straight
     logarithmic = stored.is_logarithmic(field)
     set_scale(ax.xaxis, (float(x.min()), float(x.max())), logarithmic, SPARE)
     if known.sum() > MANY:
@@ -110,8 +116,8 @@ def _draw_samples(stored: StoredStudy, ax: Axes, name: str, field: str, room: fl
         size, alpha = (16, 0.75) if x.size <= FEW else (5, 0.45)
         area = size * min(room / ROW_HEIGHT, 1.0) ** 2
         ax.scatter(x[known], y[known], s=area, color=colours.DATA, alpha=alpha, linewidths=0, zorder=3)
-    mark_missing(ax, x, known, solved, markersize=4, rasterized=x.size > MANY)
-    if (r := rank_correlation(x[known], y[known])) is not None:
+    mark_missing(ax, x, known | straight, solved, markersize=4, rasterized=x.size > MANY)
+    if not stored.is_refined and (r := rank_correlation(x[known], y[known])) is not None:
         ax.set_title(f"r = {r:+.2f}".replace("-", "−"), loc="right", size=fonts.small(), color=colours.SOFT, pad=2)
     ax.yaxis.set_major_locator(RoomLocator("counts" if name in stored.counts else "numbers"))
     ax.margins(y=0.12)

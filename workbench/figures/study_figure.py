@@ -108,6 +108,8 @@ def _figure_of(
 
     titles = dict(zip(laws, law_panel.titles(laws, width / across - fonts.BESIDE, sheet.normal), strict=True))
 
+    alike: dict[str, list[Axes]] = {}  # the panels of an observable, which have the same limits
+
     def draw(line: TrendLine, ax: Axes) -> canvas.Said:
         if isinstance(line, LawLine):
             said = [law_panel.panel(line, ax, titles[line])]
@@ -116,7 +118,11 @@ def _figure_of(
             trends.trend(line, ax).set_label(labels.long_name(line.observable))
             canvas.add_legend(ax)
         said += trends.say_errors(line)
-        set_range(sheet, ax, str(line.observable.name))
+        set_range(sheet, ax, name := str(line.observable.name))
+        alike.setdefault(name, []).append(ax)
+        ends = np.array([other.get_ylim() for other in alike[name]])
+        for other in alike[name]:
+            other.set_ylim(ends.min(), ends.max())
         return said
 
     def strip(name: str, ax: Axes) -> canvas.Said:

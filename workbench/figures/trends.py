@@ -17,6 +17,7 @@ ALONE = "Each rod was let go by itself: neighbours may be at different minima of
 WITHIN = "estimated error"  # in a legend
 WITHOUT = "solved, without a number"  # in a legend
 BRACKET, CHANGE = "changes in between", "change"  # of a whole number: in a legend, and the gid of what shows it
+APART = 0.08  # of the range of lines, from one end to the next: nearer ones have no room for their names
 NEAR = 0.08  # inches between two values of an axis whose dots touch: a step in their middle is right within a dot
 
 Values = NDArray[np.float64]
@@ -30,9 +31,15 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
     along = labels.in_label_unit(line.axis, line.along)
     lines, values = (labels.in_label_unit(line.observable, numbers) for numbers in (line.lines, line.values))
     set_scale(ax.xaxis, (float(along.min()), float(along.max())), line.is_logarithmic, SPARE)
+    ends = np.sort(lines[:, -1])
+    names = line.names if lines.size and (np.diff(ends) > APART * np.ptp(lines)).all() else ()
     for k, other in enumerate(lines, 1):
         look: dict[str, Any] = {"color": colours.FAINT, "linewidth": 1, "zorder": 1, "gid": f"{line.elsewhere}, {k}"}
-        draw_line(ax, along, other, line.is_count, label=line.elsewhere, **look)
+        draw_line(ax, along, other, line.is_count, label="" if names else line.elsewhere, **look)
+    for name, other in zip(names, lines, strict=False):
+        if not np.array_equal(other, values):
+            ax.annotate(name, (along[-1], other[-1]), (4, 0), textcoords="offset points", va="center",
+                        size=fonts.small(), color=colours.SOFT)  # fmt: skip
     changes = np.empty(0, dtype=int)
     if joined or along.size > MOST_DOTS:
         look = {"color": colours.DATA, "linewidth": 1.2, "zorder": 2}
@@ -91,14 +98,14 @@ def draw_line(
     alone.
 
     A whole number has a step between two values of the axis that stand at one place of the picture. Between others
-    nobody knows where it changes: the line has a gap there too, before the places that are returned. look: options of
-    `Axes.plot`.
+    nobody knows where it changes: the line has a gap there too, before the places that are returned. So has that of a
+    number which stays at 0 and then begins, as the curvature of a rod that buckles. look: options of `Axes.plot`.
     """
     changes = np.setdiff1d(np.flatnonzero(np.abs(np.diff(values)) > 0) + 1 if is_count else (), broken).astype(int)
     share = np.log(np.abs(along)) if ax.get_xscale() == "log" else along
     inches = np.abs(np.diff(share)) / (np.ptp(share) or 1.0) * fonts.inches(ax)[0]
     is_near = inches[changes - 1] < NEAR
-    gaps = np.union1d(broken, changes).astype(int)
+    gaps = np.unique(np.concatenate([broken, changes, [] if is_count else _begins(values)])).astype(int)
     known = np.isfinite(values)
     joined = known[1:] & known[:-1] & ~np.isin(np.arange(1, values.size), gaps)
     alone = np.flatnonzero(known & ~np.append(joined, False) & ~np.insert(joined, 0, False))
@@ -112,6 +119,13 @@ def draw_line(
         x, y = np.stack([left, middle, middle, right, gap], 1), np.stack([first, first, last, last, gap], 1)
         ax.plot(x.ravel(), y.ravel(), **{**look, "label": "", "gid": CHANGE})
     return changes[~is_near]
+
+
+def _begins(values: Values) -> NDArray[np.int64]:
+    """The places before which values begin or end to be exactly 0, with another 0 beside that."""
+    zero = values == 0
+    level = zero & (np.append(zero[1:], False) | np.insert(zero[:-1], 0, False))
+    return np.flatnonzero((level[1:] & ~zero[:-1]) | (level[:-1] & ~zero[1:])) + 1
 
 
 def mark_missing(ax: Axes, at: Values, known: Any, solved: Any, named: bool = False, **look: Any) -> None:

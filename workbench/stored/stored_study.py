@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from ..geometry.centreline import Centreline
 
 WHICH = ("claim", "kind", "observable", "axis", "rule")  # by these a law is found: the numbers of two such are equal
+NAMED_LINES = 4  # lines of a grid whose values are told at their ends, at most
 NOTEBOOK = "workbench.notebook"  # loaded by name: it draws what this module reads
 
 
@@ -266,9 +267,9 @@ class StoredStudy(StoredCases):
         on = {axis: [place[axis] for place in places]}
         others = {name: i for name, i in places[0].items() if name != axis}
         lines = self.of_solved(observable).transpose(..., axis).isel(on)
-        broken = np.empty(0, dtype=int)
-        if "branch" in self and set(self.ds["branch"].dims) == set(places[0]):
-            broken = np.flatnonzero(np.diff(self.ds["branch"].isel(others | on).values)) + 1
+        of_states = [self.ds[name] for name in ("branch", *self.expressions) if name in self.counts - {observable}]
+        states = [array.isel(others | on).values for array in of_states if set(array.dims) == set(places[0])]
+        broken = np.flatnonzero(np.any([np.diff(state) != 0 for state in states], axis=0)) + 1
         is_followed = "fold" in self and axis == self.attrs.get("followed") and np.isfinite(self.ds["fold"])
         return {
             "axis": self.ds[axis],
@@ -279,6 +280,7 @@ class StoredStudy(StoredCases):
             "solved": self.ds["solved"].transpose(..., axis).isel(on).isel(others).values,
             "lines": lines.values.reshape(-1, len(places))[: 0 if lines.ndim == 1 or self.stand_alone else None],
             "held": self.equations(others),
+            "names": self._names_of_lines(lines, axis),
             "elsewhere": f"other {', '.join(labels.axis_symbol(name) for name in others if name in lines.dims)}",
             "broken": np.arange(1, len(places)) if self.stand_alone else broken,
             "fold": float(self.ds["fold"]) if is_followed else None,
@@ -287,6 +289,13 @@ class StoredStudy(StoredCases):
             "is_level": self.is_level(observable),
             "is_logarithmic": self.is_logarithmic(axis),
         }
+
+    def _names_of_lines(self, lines: xr.DataArray, axis: str) -> list[str]:
+        """The value of the other axis on each of a few lines, in words; none where there are several such axes."""
+        others = [str(dim) for dim in lines.dims if dim != axis]
+        if len(others) != 1 or self.sizes[others[0]] > NAMED_LINES:
+            return []
+        return [labels.equation(self.ds[others[0]], value) for value in self.ds[others[0]].values]
 
     def to_pandas(self, *along: str) -> "pd.DataFrame":
         """A table: one row a case, or with names of arrays along the rod one row a station.

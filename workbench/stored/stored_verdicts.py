@@ -106,7 +106,8 @@ def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> tupl
     """What a law is judged with beside its observables: axes, steps, counts and numbers, as of `decide`."""
     axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
     counts = [name for name in law.observables if name in ds and quantity_variables.is_count(ds[name])]
-    return axes, steps, counts, _numbers_of_law(ds, law)
+    solved = {"solved": ds["solved"].values & ~_outside_the_law(ds, law)} if "solved" in ds else {}
+    return axes, steps, counts, _numbers_of_law(ds, law) | solved
 
 
 def _is_inert(ds: "xr.Dataset", law: Law) -> bool:

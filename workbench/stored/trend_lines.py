@@ -1,6 +1,6 @@
 """An observable of a study along one of its axes, and the law that is judged there, for the panel of it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,10 +23,11 @@ class TrendLine:
 
     axis, observable: the stored variables, with their units and names. along, values, solved: of the line, (n,); NaN
     where there is no number. errors: of the values, estimated, (n,); 0 where none is known. lines: of a grid all its
-    lines, (lines, n); none of rods that stand alone. held: the values of the other axes, in words. elsewhere: ``other
-    F₃``, in which the lines differ. broken: the places before which a line has a gap, as the branch changes. fold: on a
-    followed axis, where it is known. alone: whether each rod was let go by itself. is_count, is_level: whether the
-    observable is a whole number, and the same in all cases. is_logarithmic: whether the scale of the axis is.
+    lines, (lines, n); none of rods that stand alone. held: the values of the other axes, in words. names: of a few
+    lines, ``w = 0 N/m``; elsewhere: ``other F₃``, in which the lines differ. broken: the places before which a line has
+    a gap, as the branch or a comparison changes. fold: on a followed axis, where it is known. alone: whether each rod
+    was let go by itself. is_count, is_level: whether the observable is a whole number, and the same in all cases.
+    is_logarithmic: whether the scale of the axis is.
     """
 
     axis: xr.DataArray
@@ -37,6 +38,7 @@ class TrendLine:
     solved: NDArray[np.bool_]
     lines: Values
     held: str
+    names: Sequence[str]
     elsewhere: str
     broken: NDArray[np.int64]
     fold: float | None
