@@ -14,7 +14,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from solver import Case, Cylinder, Rod, Start, solve
+from solver import Case, Cylinder, Rod, Start, observe, solve
 from solver.orbits import frames
 from solver.problem.errors import InputError
 from studies import load
@@ -66,6 +66,12 @@ def body(ds: xr.Dataset, kind: str = "contact", **where: int) -> rods.Body:
 def test_the_colour_of_lift_off_covers_what_is_not_attached(fig6) -> None:
     values = body(fig6).value(np.linspace(0, 20, 20001))
     assert (values >= 0).mean() == pytest.approx(float(fig6["attached"]), abs=1e-3)
+
+
+def test_the_extremes_of_a_rod_are_those_of_its_solution_and_not_of_the_places_that_are_drawn() -> None:
+    ds = StoredStudy(dataset("inside"))
+    solved = observe(ds.at(), ["push_min", "push_max"])
+    assert body(ds).extremes() == pytest.approx([float(value) for value in solved.values()], rel=1e-5)
 
 
 def test_the_stripe_turns_with_the_material() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from solver.numerics.roots import largest_between
 from solver.orbits import frames
 from solver.problem.declared_fields import VARY_LOADS
 from solver.problem.errors import InputError
@@ -107,10 +108,12 @@ class Body:
         return self.value_of(self.line, s)
 
     def extremes(self) -> tuple[float, float]:
-        """Least and largest value where the rod is drawn."""
+        """Least and largest value where the rod is drawn, between its stations too."""
         s = np.linspace(*self.span, max(4 * self.alpha.size, 400))
         values = self.value(s)
-        return float(values.min()), float(values.max())
+        low, high = float(values.min()), float(values.max())
+        rise, fall = largest_between(lambda s: np.array([1, -1])[:, None] * (self.value(s) - [[low], [high]]), s)[0]
+        return float(high - fall), float(low + rise)
 
     def stripe_angle(self) -> Any:
         """The angle of the stripe about the tangent as a function of s, from the outward normal; None without one."""
