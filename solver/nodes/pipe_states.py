@@ -24,7 +24,7 @@ LEAVES, RUBS = "leaves its branch", "buckles where friction"  # what a rod does 
 
 
 class StretchState(NamedTuple):
-    """A stretch of a rod in one state, from one s to another [length]. turned: the azimuth that a bend goes."""
+    """A stretch of a rod in one state, from one s to another [length]. turned: the azimuth that its first bend goes."""
 
     word: str
     begin: float
@@ -84,7 +84,8 @@ def states(
     beta at both ends is more than half of its largest, as on a part of a hoop; straight if it goes less than `BENT`,
     else sinusoidal. The tail of a bend, where beta is less than half of its largest, is straight as far as it goes less
     than `BENT`, or, of a bend of less than once round, that share of its azimuth: beside a helix next to a straight
-    piece or an end of the rod, beside a sinusoid where it is longer than `SHORT` of it. Two helices that meet turn in
+    piece, or at an end of the rod where it is longer than half a turn of the helix; beside a sinusoid where it is
+    longer than `SHORT` of it. Two helices that meet turn in
     different senses. Bends from an end to a straight stretch are straight too where each is at most `DYING` of the one
     before: there the rod turns from the azimuth of its end to where it lies.
 
@@ -173,8 +174,21 @@ def _join(stretches: list[StretchState]) -> list[StretchState]:
         if kept and kept[-1].word == word != HELICAL:
             kept[-1] = StretchState(word, kept[-1].begin, float(part.end))
         else:
-            kept.append(StretchState(word, float(part.begin), float(part.end)))
+            kept.append(StretchState(word, float(part.begin), float(part.end), part.turned))
+    for _ in range(2):  # the states are the same from either end
+        kept = _without_end_layer(kept)[::-1]
     return kept
+
+
+def _without_end_layer(stretches: list[StretchState]) -> list[StretchState]:
+    """The stretches, without a straight one at the start that is shorter than half a turn of the helix after it."""
+    if [part.word for part in stretches[:2]] != [STRAIGHT, HELICAL]:
+        return stretches
+    layer, helix = stretches[:2]
+    if layer.end - layer.begin >= (helix.end - helix.begin) * TAU / 2 / max(helix.turned, TAU / 2):
+        return stretches
+    joined = helix._replace(begin=min(layer.begin, helix.begin), end=max(layer.end, helix.end))  # or from the far end
+    return [joined, *stretches[2:]]
 
 
 def _place(s: float) -> str:

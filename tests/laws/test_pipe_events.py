@@ -164,6 +164,21 @@ def test_the_states_of_a_reversed_rod_are_the_reversed_states(place: float) -> N
     np.testing.assert_allclose([(part.begin, part.end) for part in there], ends, atol=1e-9)
 
 
+@pytest.mark.parametrize(("layer", "words"), [(0.5, [HELICAL]), (5.0, [STRAIGHT, HELICAL, STRAIGHT])])
+@pytest.mark.parametrize("backward", [False, True])
+def test_an_end_layer_that_is_shorter_than_half_a_turn_belongs_to_the_helix(
+    layer: float, words: list[str], backward: bool
+) -> None:
+    """A helix of five turns between clamps, beside which beta falls to 0; a turn is 20 / 5 long."""
+    s = np.linspace(0.0, 20.0 + 2 * layer, 4001)
+    beta = np.pi / 2 * np.clip(np.minimum(s, s[-1] - s) / layer, 0.0, 1.0) ** 8
+    alpha = np.concatenate([[0.0], np.cumsum((beta[1:] + beta[:-1]) / 2 * np.diff(s))])
+    sides = (beta[::-1], -alpha[::-1]) if backward else (beta, alpha)
+    parts = states(s, *sides)
+    assert [part.word for part in parts] == words
+    assert (parts[0].begin, parts[-1].end) == (0.0, s[-1])
+
+
 def test_the_azimuth_on_the_axis_is_that_of_the_next_place() -> None:
     """It has none there, so an arbitrary one would be a bend at the end of the rod."""
     s, radius = np.linspace(0.0, 1.0, 5), np.array([0.0, 0.1, 0.2, 0.1, 1e-9])
