@@ -58,6 +58,7 @@ AROUND = (
 THROUGH = "the rod passes through itself at its true thickness"
 TIGHT = ", also in a bend tighter than its radius"  # where a place is one
 TURNED = ", also after a turn around the cylinder"  # where a place has two rings
+CLOSE = "; one ring where several would touch"
 TOO_LONG = "is too long to search for the places where it passes through itself"
 # of a rod in lines
 THINNEST = 0.07  # inches of a line; below, nothing of its curve is seen
@@ -396,8 +397,10 @@ class UnrolledPanel:
                 sizes.append(crossing_rings.around(float(np.linalg.norm(apart)), float(loop.max())))
         tight = TIGHT * any(not ring.apart.any() for ring in rings)
         turned = TURNED * any(np.isnan(ring.apart).any() for ring in rings)
-        if rings:
-            crossing_rings.draw(ax, places, sizes, THROUGH)
+        close = ""
+        if rings:  # below lines, which need no pale edge then
+            drawn = crossing_rings.draw(ax, places, sizes, THROUGH, zorder=2, path_effects=None)
+            close = CLOSE * (np.shape(drawn.get_offsets())[0] < len(places))
         for artist in (*ax.lines, *ax.collections):
             artist.set_clip_on(False)
         left, top, wide, _ = form.places[len(self.views)]
@@ -406,7 +409,7 @@ class UnrolledPanel:
             beside = self.key + BAR_GAP
             push_scale.bar(ax, self.bar, wide - beside, (left + beside, top))
         return [
-            *[crossing_rings.entry(THROUGH + tight + turned)] * bool(rings),
+            *[crossing_rings.entry(THROUGH + tight + turned + close)] * bool(rings),
             sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
             *self.notes,
             *said[:1],
