@@ -149,7 +149,7 @@ def test_the_report_says_what_is_stored(text) -> None:
 def test_that_no_real_rod_could_keep_the_shapes_is_said_once_at_the_top_and_leads_to_what_they_would_do(
     results,
 ) -> None:
-    let_go = {"head": [], "rows": [], "count": 9, "on": 9, "file": "let_go.h5"}
+    let_go = {"head": [], "rows": [], "count": 9, "on": "9 of them keep", "file": "let_go.h5"}
     text = report_document.html(results, release=let_go)
     said = Page(text).text
     assert said.count("o real rod could keep") == 1
@@ -464,7 +464,7 @@ def test_the_rod_of_table_1_is_named_among_its_equilibria(results, tmp_path) -> 
     told = re.sub(r"\s+", " ", told)
     assert "is number 13 of 13, unstable in 6 ways. Number 1 is stable" in told
     top = told.partition("In the pictures the tube")[0]
-    assert "ways. A rod let go would leave it for a stable one, such as number 1." in top
+    assert "ways. Disturbed on the cylinder, it would leave this shape for a stable one, such as number 1." in top
     assert report_runs.pair(StoredStudy(ds))["index"].values.tolist() == [0, 6]
 
 
@@ -537,6 +537,8 @@ def test_the_report_says_what_the_rods_would_do_or_what_to_install(results) -> N
     assert page.rows[report_runs.LET_GO] == 1 + ds["outcome"].size
     for gap in ds["gap_max"].values:
         assert f"{gap:.2f}" in page.text
+    assert "7.1 ± 7.1 %" in page.text, "a share is told with its error"
+    assert "At most 1 of them keeps a stretch" in page.text
 
 
 @pytest.mark.slow

@@ -160,7 +160,8 @@ def release(study: Study, stored: StoredStudy) -> dict[str, Any]:
     """Return what the report says of the rods of a study along one axis that are let go.
 
     Its `head` is that of a table, and `rows` has the texts of each rod: its value, how far it is off the wall, the
-    share of its length on it, and its elastic energy before and after; a dash where it was not solved.
+    share of its length on it, both with their errors, and its elastic energy before and after; a dash where it was not
+    solved. Its `on` says how many may keep a stretch on the wall.
     """
     (axis,) = stored.axes
     case = study.case_of({axis: stored[axis].values})
@@ -168,17 +169,19 @@ def release(study: Study, stored: StoredStudy) -> dict[str, Any]:
     before, after = (np.sum([known[name] for name in free_rod_words.ELASTIC], axis=0) for known in (held, stored))
     unit = labels.unit(f"{stored.units['force']} {stored.units['length']}")
     length = labels.unit(stored.units["length"])
-    columns = zip(
-        stored[axis].values, stored["gap_max"].values, stored["contact_share"].values, before, after, strict=True
-    )
+    of_share = np.array([stored["contact_share"].values, stored["contact_share_error"].values])
+    gaps = (stored[name].values for name in ("gap_max", "gap_max_error"))
+    columns = np.stack([stored[axis].values, *gaps, *100 * of_share, before, after], axis=-1).tolist()
+    on, surely = (int(np.sum(shares > 0)) for shares in ([1, 1] @ of_share, [1, -2] @ of_share))  # errors: estimates
     return {
         "head": [labels.axis_label(stored[axis]), f"Off the wall, at most [{length}]", "On the wall",
                  f"Elastic energy held on [{unit}]", f"Let go [{unit}]"],
-        "rows": [[labels.number(value), *(text if np.isfinite(number) else "–" for number, text in
-                                    ((gap, f"{gap:.2f}"), (share, f"{share:.0%}"), (held_on, f"{held_on:.0f}"),
-                                     (free, f"{free:.1f}")))]
-                 for value, gap, share, held_on, free in columns],
+        "rows": [[labels.number(value), *(text if np.isfinite(number) else "–" for number, text in (
+                                    (gap, free_rod_words.amount(gap, off, 3)),
+                                    (share, f"{free_rod_words.amount(share, miss, 2)} %"),
+                                    (held_on, f"{held_on:.0f}"), (free, f"{free:.1f}")))]
+                 for value, gap, off, share, miss, held_on, free in columns],
         "count": int(stored["outcome"].size),
-        "on": int(np.sum(stored["contact_share"].values > 0)),
+        "on": f"{'At most ' * (surely < on)}{on or 'None'} of them keep{'s' * (on < 2)}",
         "file": f"{LET_GO}.h5",
     }  # fmt: skip
