@@ -39,7 +39,7 @@ from workbench.web.live.page_model import study_of
 from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page
 from workbench.words import free_rod_words
-from workbench.words.free_rod_words import amount
+from workbench.words.free_rod_words import amount, amounts
 
 if opengl.probe()[0]:  # without the libraries of OpenGL it cannot be imported
     from workbench.scene import composition, layout
@@ -306,13 +306,19 @@ def test_a_place_that_its_error_hides_is_told_with_the_error() -> None:
     share, *places = map(float, told.groups())
     assert places == pytest.approx([low, errors[0], high, errors[1]], abs=min(errors) / 4)
     assert 100 * (high - low) / 1616.0 < share < 12
-    assert forces == "point forces of the wall: 2 no larger than their errors"
+    each = rf"less than [\d.]+ N at {number}"
+    assert re.fullmatch(f"point forces of the wall: {each}, {each} mm", forces)
 
 
 def test_an_amount_whose_error_is_larger_than_itself_has_a_bound_alone() -> None:
     said = {(0.3, 1.3): "less than 1.6", (0.0, 0.2): "less than 0.2", (58.2, 42.1): "58 ± 43", (81.23, 0.4): "81"}
     assert {numbers: amount(*numbers) for numbers in said} == said
     assert (amount(0.0, 0.0), amount(81.23, 0.0), amount(2.0, np.inf)) == ("0", "81.23", "2")
+
+
+def test_amounts_side_by_side_have_their_errors_all_or_none() -> None:
+    assert amounts([3.742, 5.071, 0.2], [0.436, 0.134, 0.5]) == ["3.74 ± 0.44", "5.07 ± 0.14", "less than 0.7"]
+    assert amounts([37.42, 5.071], [0.436, 0.134]) == ["37", "5"]
 
 
 @pytest.mark.parametrize("text", [STUDY, PUSHED])
@@ -491,7 +497,8 @@ def test_the_arrow_of_a_point_force_is_as_long_on_the_page_as_it_is_large_and_sa
         assert np.linalg.norm(places[0] - axis) == pytest.approx(rod.a)
         assert (places[-1] - axis) @ push == pytest.approx(np.linalg.norm(places[-1] - axis) * np.linalg.norm(push))
     np.testing.assert_allclose(lengths / lengths.max(), np.divide(forces, max(forces)), rtol=1e-9)
-    assert [words for _, words in arrows] == [f"{amount(force, error)} N" for *_, force, error in rod.pushes]
+    pairs = [(force, error) for *_, force, error in rod.pushes]
+    assert [words for _, words in arrows] == [f"{words} N" for words in amounts(*zip(*pairs, strict=True))]
     assert {words for _, words in arrows} & {text.get_text() for text in page.ax.texts}
 
 

@@ -13,7 +13,7 @@ from ..figures import canvas, crossing_rings, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array, TooFewStations
 from ..words import caution_words, labels, unit_habits
-from ..words.free_rod_words import amount
+from ..words.free_rod_words import ERROR, amounts
 from . import dna_strands, long_rod, page, scene_kinds, signs
 from .body import ARROW, Body
 from .page import Mark, Page, Scene
@@ -127,7 +127,9 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
     if any(body.contact_edges for body in bodies):
         legend.append((signs.EDGE, "a contact begins or ends"))
     if any(body.pushes for body in bodies):
-        legend.append((signs.FORCE, "a point force of the wall" + CUT * _hides(scene, signs.FORCE)))
+        lines = [words for view in views for _, sign, words in _lines_of_contact(scene, view) if sign == signs.FORCE]
+        error = f", {ERROR} its error" * any(ERROR in words for words in lines)
+        legend.append((signs.FORCE, f"a point force of the wall{error}" + CUT * _hides(scene, signs.FORCE)))
     warnings = impossible(scene.bodies, bool(ringed)) if scene.kind.cells != "together" else []
     if len(scene.context) > len(scene.bodies) and any(impossible([body], bool(ringed)) for body in scene.context):
         warnings = warnings or [page.EMPTY_LINE]  # the views of the pictures along an axis stand at one place
@@ -309,9 +311,10 @@ def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str, st
             wall, rod = body.widest_gap
             size = labels.number(float(np.linalg.norm(rod - wall)), 3)
             yield (wall + share * (rod - wall)) @ view.turn.T, signs.GAP, f"{size} {units['length']}"
-        for at, away, force, error in body.pushes:
+        said = amounts([force for *_, force, _ in body.pushes], [error for *_, error in body.pushes])
+        for (at, away, force, _), size in zip(body.pushes, said, strict=True):
             start, tip = view.arrow(body, at, away, ARROW * body.R * force / largest, scene.camera)
-            yield start + share * (tip - start), signs.FORCE, f"{amount(force, error)} {units['force']}"
+            yield start + share * (tip - start), signs.FORCE, f"{size} {units['force']}"
 
 
 def _marks_of_ends(scene: Scene, view: View, scale: float) -> Iterator[tuple[Array, str]]:

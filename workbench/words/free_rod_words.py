@@ -1,7 +1,7 @@
 """A rod that may leave the cylinder, in words: where it lies on the wall, and what letting it go did."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from decimal import ROUND_UP, Context
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from solver import Solution
 
 MOST = 6  # intervals of contact that are named one by one
+ERROR = "±"  # between a number and its error
 ELASTIC = ("bending_energy", "twist_energy")
 
 
@@ -71,8 +72,8 @@ def forces_in_words(sol: "Solution", units: Mapping[str, str]) -> list[str]:
 
 def point_forces(sol: "Solution") -> list[tuple[str, str]]:
     """Where each point force of the wall acts, and its size, in the digits that their errors allow."""
-    pairs = zip(sol.point_forces, _errors_of_forces(sol), strict=True)
-    return [(_place(sol, s), amount(force, error)) for (s, force), error in pairs]
+    said = amounts([force for _, force in sol.point_forces], _errors_of_forces(sol))
+    return [(_place(sol, s), words) for (s, _), words in zip(sol.point_forces, said, strict=True)]
 
 
 def _errors_of_forces(sol: "Solution") -> list[float]:
@@ -92,6 +93,17 @@ def amount(value: float, error: float, digits: int = 4) -> str:
     if value < error < math.inf:
         return f"less than {plain(float(Context(prec=2, rounding=ROUND_UP).create_decimal(repr(value + error))))}"
     return _known_to(value, error, value, digits)
+
+
+def amounts(values: Sequence[float], errors: Sequence[float]) -> list[str]:
+    """Numbers of one kind, each as `amount`; where one needs its error, all that are larger than theirs have it."""
+    pairs = [*zip(values, errors, strict=True)]
+    each = [amount(value, error) for value, error in pairs]
+    if not any(ERROR in words for words in each):
+        return each
+    return [
+        words if value < error else with_error(value, error) for words, (value, error) in zip(each, pairs, strict=True)
+    ]
 
 
 def _known_to(value: float, error: float, size: float, digits: int = 4) -> str:
