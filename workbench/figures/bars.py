@@ -156,7 +156,8 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
         row, shown, rest = stored.part(observable=name), effects[name][:MOST], effects[name][MOST:]
         sizes = np.array([effect for _, effect in shown])
         rises = [int(size > 0) for size in sizes]
-        texts = [f"{'−+'[k]}{text}" for k, text in zip(rises, labels.column(abs(sizes), digits=2), strict=True)]
+        said = map(labels.powers_of_ten, labels.alike(abs(sizes), 2))
+        texts = [f"{'−+'[k]}{text}" for k, text in zip(rises, said, strict=True)]
         draw(
             ax,
             [_tick(stored, field) for field, _ in shown],

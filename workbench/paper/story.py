@@ -45,12 +45,12 @@ WIDE = (
         (4.6, 2.87, 1.9, 0.08),
     ),
 )
-NARROW = 5.6, ((0.0, 3.85, 1.25, 1.6), (1.25, 3.85, 2.2, 1.55), (0.55, 2.17, 2.8, 0.85), (1.5, 0.2, 1.95, 0.58),
-               (2.15, 3.63, 1.2, 0.05))  # fmt: skip
+NARROW = 5.75, ((0.0, 4.0, 1.25, 1.6), (1.25, 4.0, 2.2, 1.55), (0.55, 2.17, 2.8, 1.0), (1.5, 0.2, 1.95, 0.58),
+                (2.15, 3.78, 1.2, 0.05))  # fmt: skip
 # the left and upper edges of the letters of the panels in two columns or one
 LETTERS = (
     ((0.05, 5.45), (1.9, 5.45), (0.05, 2.2), (2.5, 2.2)),
-    ((0.03, 5.57), (1.25, 5.57), (0.03, 3.17), (0.03, 1.62)),
+    ((0.03, 5.72), (1.25, 5.72), (0.03, 3.32), (0.03, 1.62)),
 )
 MARKS: dict[str, dict[str, Any]] = {
     HOLDS: {"marker": "o"},
@@ -206,7 +206,7 @@ def law(stored: StoredStudy, ax: Axes) -> str:
     (title,) = law_panel.titles([line], fonts.inches(ax)[0], fonts.small())
     colour = colours.VERDICTS[verdict["verdict"]]
     ax.set_title(fonts.wrap(title, ax, fonts.small()), loc="left", size=fonts.small(), color=colour, pad=3)
-    canvas.add_legend(ax, loc="upper right", borderpad=0.0, handlelength=1.3)
+    canvas.add_legend(ax, loc="upper right", borderpad=0.0, borderaxespad=0.9, handlelength=1.3)
     return law_panel.caption_of(line)
 
 
