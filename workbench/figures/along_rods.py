@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D
 
 from solver.problem.errors import InputError, check_known
@@ -42,12 +41,6 @@ PULLS: dict[str, Any] = {
     "markeredgecolor": "white",
     "markeredgewidth": 0.5,
     "linestyle": "none",
-}
-OFF_WALL: dict[str, Any] = {
-    "color": colours.LIGHTEST,
-    "label": "off the wall",
-    "gid": "off the wall",
-    "path_effects": [withStroke(linewidth=2.4, foreground=colours.SOFT)],
 }
 MOST, MOST_PANELS = 60, 6  # rods of a map; panels
 CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
@@ -308,7 +301,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
             if curves.name == PIPE and rods.source.leaves:
                 off = np.where(push > 0, np.nan, values)
                 off[1:][np.abs(np.diff(values)) > 180] = np.nan
-                ax.plot(s, off, **OFF_WALL, linewidth=width, transform=where, zorder=order + 0.01)
+                ax.plot(s, off, **push_scale.OFF_WALL, linewidth=width, transform=where, zorder=order + 0.01)
         elif curves.name != STATES:
             look = {"color": shades[k], "linewidth": 1.1, "gid": rod.name}
             said += waves.draw(ax, s, values, inches, look, where, order)

@@ -9,6 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ..words import labels
@@ -18,6 +19,12 @@ from . import canvas, colours, fonts, waves
 from .drawn_numbers import CASING
 
 PUSHES, PULLS = "the cylinder pushes", colours.LIFTS  # in a legend
+OFF_WALL: dict[str, Any] = {  # a line upon that of the rod where no wall pushes it
+    "color": colours.LIGHTEST,
+    "label": "off the wall",
+    "gid": "off the wall",
+    "path_effects": [withStroke(linewidth=2.4, foreground=colours.SOFT)],
+}
 WIDEST, HIGH = 2.2, 0.11  # inches of a bar of colours
 EDGE, LEAST = 1.2, 0.35  # the grey casing of a line: share of its width, and points that it adds at least
 

@@ -31,15 +31,15 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
     along = labels.in_label_unit(line.axis, line.along)
     lines, values = (labels.in_label_unit(line.observable, numbers) for numbers in (line.lines, line.values))
     set_scale(ax.xaxis, (float(along.min()), float(along.max())), line.is_logarithmic, SPARE)
-    ends = np.sort(lines[:, -1])
-    names = line.names if lines.size and (np.diff(ends) > APART * np.ptp(lines)).all() else ()
+    others = [(name, row) for name, row in zip(line.names, lines, strict=False) if not np.array_equal(row, values)]
+    ends = np.sort([row[-1] for _, row in others])
+    named = others if (np.diff(ends) > APART * np.ptp(lines)).all() else []
     for k, other in enumerate(lines, 1):
         look: dict[str, Any] = {"color": colours.FAINT, "linewidth": 1, "zorder": 1, "gid": f"{line.elsewhere}, {k}"}
-        draw_line(ax, along, other, line.is_count, label="" if names else line.elsewhere, **look)
-    for name, other in zip(names, lines, strict=False):
-        if not np.array_equal(other, values):
-            ax.annotate(name, (along[-1], other[-1]), (4, 0), textcoords="offset points", va="center",
-                        size=fonts.small(), color=colours.SOFT)  # fmt: skip
+        draw_line(ax, along, other, line.is_count, label="" if named else line.elsewhere, **look)
+    for name, other in named:
+        ax.annotate(name, (along[-1], other[-1]), (4, 0), textcoords="offset points", va="center", size=fonts.small(),
+                    color=colours.SOFT)  # fmt: skip
     changes = np.empty(0, dtype=int)
     if joined or along.size > MOST_DOTS:
         look = {"color": colours.DATA, "linewidth": 1.2, "zorder": 2}

@@ -66,8 +66,6 @@ TALLEST_LINES = 0.5, 2.8  # height of all lines as a share of the width, and inc
 HEADS = 0.7  # inches before the lines
 HAIR = 0.3  # inches: a rod less wide is a hair
 MOST_WIDE = 1.15  # of the width that the rod needs is that of a line
-SEEN = 0.05  # radii of the rod: a smaller gap is not seen
-GAP_LINE = "a thin line is as far above it as it is off the wall"
 EDGES = "A tick marks where a contact along a length begins or ends; touches at a point have none."
 TICK, MOST_EDGES = 0.05, 100  # inches of half a tick; ticks of a rod, beyond which they would hide it
 DENSE = 4  # places for each station, so that a rod leaves a line at its edge
@@ -523,7 +521,7 @@ def panel_of(
         if len(edges) > MOST_EDGES:
             notes.append(f"{len(edges)} ticks would hide the rod{f' of {rod.name}' * bool(rod.value)}: it has none.")
             edges = []
-        views.append(replace(view, over=[*view.over, *gap_lines(rod)], edges=edges))
+        views.append(replace(view, over=[*view.over, *parts_off_wall(rod)], edges=edges))
     notes = [*[AROUND] * winds, *off_wall(rods.solved), *[EDGES] * any(view.edges for view in views), *notes]
     return UnrolledPanel(views, room, letters, unit, even=True, notes=notes, bar=bar)
 
@@ -531,17 +529,16 @@ def panel_of(
 def off_wall(rods: Sequence[DrawnRod]) -> list[str]:
     """How the unrolled views of rods are read that leave the wall; nothing where none does."""
     leaves = any(np.any(np.abs(rod.radius - rod.rho) > STRAIGHT * rod.rho) for rod in rods)
-    return [f"Where a rod is off the wall, it is seen along the radius, at its azimuth times ρ; {GAP_LINE}."] * leaves
+    return ["Where a rod is off the wall, it is seen along the radius, at its azimuth times ρ."] * leaves
 
 
-def gap_lines(rod: DrawnRod) -> list[tuple[Any, Any, Mapping[str, Any], str]]:
-    """A line above each stretch of a rod that is off the wall, as far above it as the rod is off, as `over` of a
-    view."""
-    gap, (x, y) = np.abs(rod.radius - rod.rho), rod.plane_points()
-    off = np.broadcast_to(gap > SEEN * rod.a, x.shape)
+def parts_off_wall(rod: DrawnRod) -> list[tuple[Any, Any, Mapping[str, Any], str]]:
+    """Each stretch of a rod that is off the wall, white with an outline upon that of the rod, as `over` of a view."""
+    x, y = rod.plane_points()
+    off = np.broadcast_to(np.abs(rod.radius - rod.rho) > STRAIGHT * rod.rho, x.shape)
     pieces = np.split(np.arange(x.size), np.flatnonzero(np.diff(off)) + 1)
-    look = {"color": colours.SOFT, "linewidth": 0.7, "zorder": 2}
-    return [(x[on], (y - gap)[on], look, f"{rod.name}: gap") for on in pieces if off[on[0]] and on.size > 1]
+    look = {**push_scale.OFF_WALL, "linewidth": 1.6, "zorder": 3.1}
+    return [(x[on], y[on], look, f"{rod.name}, off the wall") for on in pieces if off[on[0]] and on.size > 1]
 
 
 def edges_of(rod: DrawnRod) -> list[tuple[Values, Values]]:
