@@ -36,13 +36,15 @@ export function diagrams(shape, units) {
 }
 
 /* Seen from outside with z to the right. A helix that reaches more than once around the cylinder leaves the view at one
-   edge and comes back at the other. */
+   edge and comes back at the other. At s = 0 it is at 0, the edge on which it begins. */
 function unrolled({ one, z, alpha, push }, length) {
   const turn = 2 * Math.PI * one.rho,
     far = (v) => one.rho * (alpha[0] - v),
     [low, high] = range(alpha.map(far)),
     winds = !one.leaves && high - low > turn && isMonotone(alpha) && isMonotone(z),
-    around = winds ? (v) => far(v) - turn * Math.ceil(far(v) / turn) : far,
+    rises = winds && high > 0,
+    turns = (v) => (rises ? Math.floor(v / turn) + 1 : Math.ceil(v / turn)),
+    around = winds ? (v) => far(v) - turn * turns(far(v)) : far,
     y = alpha.map(around);
   return {
     key: "developed",
