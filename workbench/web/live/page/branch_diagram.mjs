@@ -9,8 +9,8 @@ import { minus, stated } from "./text.mjs";
 const HIGH = 230,
   NEAR = 14, // pixels from the pointer
   SHARE = 0.25; // of the slider of a field, to either side
-const STABLE = [2.6, [], "ink"],
-  UNSTABLE = [1.2, [4, 3], "soft"]; // pixels, dashes and colour of a line, as in the figures
+const STABLE = [2.6, "ink"],
+  UNSTABLE = [1.2, "soft"]; // pixels and colour of a line, as in the figures
 const LIMIT = "Not all branches are drawn: the page follows them for 8 s. The command workbench equilibria --axis has no limit.";
 
 /* The stretches of a piece of a branch, of its field x and its values y: of a count those of one number each, as nobody

@@ -128,12 +128,8 @@ export function paintDiagram(ctx, spec, frame, theme, code, end) {
   ctx.clip();
   if (spec.shaded) for (const one of stretches(spec.x, spec.y)) shade(ctx, one, spec, frame, code);
   if (spec.zero) rule(ctx, left, py(0), left + w, py(0), theme.soft, 1);
-  for (const { x, y, look } of spec.lines || []) {
-    const [width, dashes, colour] = look;
-    ctx.setLineDash(dashes);
+  for (const { x, y, look: [width, colour] } of spec.lines || [])
     line(ctx, thinned(Array.from(x, px), Array.from(y, py)), theme[colour], width);
-    ctx.setLineDash([]);
-  }
   if (spec.push) for (const part of unbroken(chosen, spec)) pushLine(ctx, part, xs, ys, spec.push, theme, code, end);
   else if (!spec.lines) line(ctx, points, theme.line, 1.8);
   if (spec.level !== undefined) levelOf(ctx, spec, frame, theme);
