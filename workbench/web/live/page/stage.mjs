@@ -76,27 +76,40 @@ function showBar(box, code, scale, [unit, size]) {
 
 const ARM = 26,
   LETTER = 10, // beyond the end of its arm
+  CLEAR = 9, // of the other arms
   MIDDLE = 44; // pixels
 const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
 
 /* Draw the directions of the axes x, y and z as the camera sees them into an SVG element. */
 function drawTriad(box, camera) {
   if (!box.firstChild) prepare(box);
-  const { right, up, toward } = axesOf(camera);
+  const { right, up, toward } = axesOf(camera),
+    seen = (way) => [dot(way, right), -dot(way, up)];
   for (const [name, way] of Object.entries(AXES)) {
     const [arm, letter] = [box.querySelector(`line.${name}`), box.querySelector(`text.${name}`)];
-    const x = dot(way, right),
-      y = -dot(way, up),
+    const [x, y] = seen(way),
       size = Math.hypot(x, y),
-      far = ARM + LETTER / Math.max(size, 0.2);
+      far = ARM + LETTER / Math.max(size, 0.2),
+      others = Object.keys(AXES).filter((other) => other !== name),
+      [u, v] = others.reduce((place, other) => clearOf(place, seen(AXES[other])), [far * x, far * y]);
     arm.setAttribute("x2", (MIDDLE + ARM * x).toFixed(1));
     arm.setAttribute("y2", (MIDDLE + ARM * y).toFixed(1));
-    letter.setAttribute("x", (MIDDLE + far * x).toFixed(1));
-    letter.setAttribute("y", (MIDDLE + far * y).toFixed(1));
+    letter.setAttribute("x", (MIDDLE + u).toFixed(1));
+    letter.setAttribute("y", (MIDDLE + v).toFixed(1));
     const shown = size > 0.25 || dot(way, toward) > 0 ? "1" : "0.4";
     arm.setAttribute("opacity", shown);
     letter.setAttribute("opacity", size > 0.2 ? shown : "0");
   }
+}
+
+/* The place of a letter, moved off the arm in the direction (x, y) where it stands on it; both from where the arms begin. */
+export function clearOf([u, v], [x, y]) {
+  const size = Math.hypot(x, y),
+    along = (u * x + v * y) / size,
+    off = (v * x - u * y) / size;
+  if (!(along > 0 && along < ARM * size + CLEAR && Math.abs(off) < CLEAR)) return [u, v];
+  const more = (off < 0 ? -CLEAR : CLEAR) - off;
+  return [u - (more * y) / size, v + (more * x) / size];
 }
 
 function prepare(box) {
