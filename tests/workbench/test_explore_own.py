@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("workbench.web.live.server", reason="the extra explore is not installed", exc_type=ImportError)
 
-from solver import equilibria
+from solver import equilibria, observe
 from solver.problem.errors import InputError
 from studies import load
 from studies.language.case_input import with_fields
@@ -54,6 +54,20 @@ def test_the_page_begins_with_the_case_of_the_file(tmp_path, text) -> None:
     assert asdict(again.case()) == asdict(study.case())
     assert "mine.toml" in own.source
     assert own.state["units"]["length"] in own.source
+
+
+@pytest.mark.parametrize("text", [PIPE, READ, START])
+def test_the_page_says_what_the_rod_does_as_the_first_slider_rises(tmp_path, text) -> None:
+    own = begun(tmp_path, text)
+    study = page_model.study_of(own.state)
+    value = own.state["base"][own.handle]
+    raised = own.state | {"base": own.state["base"] | {own.handle: value + 1e-4 * abs(value)}}
+    before, after = (
+        observe(page_model.shape(one).sol, [*presets.FOLLOWS]) for one in (study, page_model.study_of(raised))
+    )
+    changes = {name: float(after[name]) / float(before[name]) - 1 for name in presets.FOLLOWS}
+    most = max(changes, key=lambda name: abs(changes[name]))
+    assert own.sentence.endswith(f"a little, and {presets.FOLLOWS[most][changes[most] < 0]}.")
 
 
 @needs_node

@@ -18,13 +18,21 @@ from ...stored.case_solving import solve_one
 from ...words import labels
 from ...words.assumptions import assumption, units_sentence
 from .. import pages
-from .page_model import BETWEEN
+from . import page_model
 
 OWN = "own"
 DEAD_LOADS = ("FZ", "MZ", "M3")
 HANDLES = ("FZ", "F3", "E", "EI", "L")  # fields, one of which has the first slider where a study varies none
 HIDDEN = ("alpha", "gamma")  # they turn the whole rod; a value of 0 is left out
 WITH_WEIGHT = {"inclination": 0.0}  # has a slider where there is weight
+# observable -> what is said where it grows, and where it shrinks
+FOLLOWS = {
+    "turns_around": ("the rod winds further around the cylinder", "the rod winds less far around the cylinder"),
+    "height": ("the rod reaches further along the cylinder", "the rod reaches less far along the cylinder"),
+    "kappa_max": ("the tightest bend gets tighter", "the tightest bend gets wider"),
+    "push_max": ("the largest push of the cylinder grows", "the largest push of the cylinder falls"),
+}
+SLIGHT = 1e-3  # of its size, by which an observable changes where the field is doubled: less is not told
 ON_WALL = {"friction": 0.0, "sliding": "forward"}  # have one where the cylinder also holds the rod on
 
 
@@ -72,10 +80,30 @@ def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]
     words = " ".join(filter(None, (f"{source}.", units_sentence(rod.units), assumption(rod.assumed, HIDDEN))))
     state = _state(rod, title, not options) | let_go
     handle = next(name for name in (*varied, *HANDLES) if name in state["base"])
-    who = "The study varies {0}: move it," if handle in varied else "Change {0},"
-    sentence = f"{who.format(labels.axis_symbol(handle))} and the rod follows."
     ends = {name: (float(min(each)), float(max(each))) for name, each in varied.items() if min(each) < max(each)}
-    return Preset(OWN, title, words, state, _spans(rod.case) | ends, handle, sentence)
+    spans = _spans(rod.case) | ends
+    symbol, follows = labels.axis_symbol(handle), _what_follows(state, handle, spans)
+    who = f"The study varies {symbol}: raise it a little" if handle in varied else f"Raise {symbol} a little"
+    return Preset(OWN, title, words, state, spans, handle, f"{who}, and {follows}.")
+
+
+def _what_follows(state: dict[str, Any], handle: str, spans: dict[str, Any]) -> str:
+    """What the rod of a state does as a field rises a little: of `FOLLOWS` what changes most, relative to its size."""
+    try:
+        rod = page_model.shape(page_model.study_of(state))
+        derived = rod.sol.sensitivity([quantity_of(handle).name], FOLLOWS)
+    except InputError:  # of a rod that may leave the cylinder; the page says itself why one is not solved
+        return "the rod follows"
+    raised = abs(state["base"][handle]) or spans[handle]
+    rates = {}
+    for name, value in observe(rod.sol, [*FOLLOWS]).items():
+        rate = float(derived.observables[name][0]) * raised
+        if abs(rate) > SLIGHT * abs(float(value)) > 0:
+            rates[name] = rate / float(value)
+    if not rates:
+        return "the rod hardly changes"
+    most = max(rates, key=lambda name: round(abs(rates[name]), 6))
+    return FOLLOWS[most][rates[most] < 0]
 
 
 def _under_dead_loads(rod: CaseInput) -> CaseInput:
@@ -83,12 +111,12 @@ def _under_dead_loads(rod: CaseInput) -> CaseInput:
     held = () if rod.case.varies or rod.case.leaves else fields_held(rod.case)
     if not held:
         return rod
-    sol = solve_one(rod.case, rod.which, DEFAULT_TOLERANCE, "auto", BETWEEN)
+    sol = solve_one(rod.case, rod.which, DEFAULT_TOLERANCE, "auto", page_model.BETWEEN)
     if not sol.solved:
         raise InputError(f"this rod is not solved: {sol.outcome}")
     ends = Ends(float(sol.beta[0]), float(sol.beta[-1]), **{name: float(getattr(sol, name)) for name in DEAD_LOADS})
     case = replace(rod.case, given=ends)
-    dead = solve(case, stations=BETWEEN, seed=float(sol.dbeta[0]))
+    dead = solve(case, stations=page_model.BETWEEN, seed=float(sol.dbeta[0]))
     which = Which(index=None, dbeta0=float(dead.dbeta[0]), energy=float(observe(dead, ["energy"])["energy"]))
     source = f"{rod.source}, under the loads that hold its {choices(held)}"
     return replace(rod, case=case, source=source, which=which, study=None)
