@@ -323,4 +323,4 @@ def _refinement(stored: StoredStudy, rows: Sequence[Mapping[str, Any]]) -> list[
     verdicts = [
         f"law {row['claim']}: {labels.law_text(row, law_words.law_in_words(row))}; {row['verdict']}" for row in rows
     ]
-    return [f"{text[0].upper()}{text[1:]}." for text in (ended, *verdicts) if text]
+    return [labels.sentence(text) for text in (ended, *verdicts) if text]

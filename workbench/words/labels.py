@@ -178,6 +178,16 @@ def quantity_name(words: str) -> str:
     return re.sub(r"\b(FZ|MZ|M3)\b", lambda load: axis_symbol(load[0]), typeset(words.partition(" (")[0]))
 
 
+def sentence(text: str) -> str:
+    """A clause as a sentence: ``S`` of a word, but ``s = 0``; a full stop, but after a question.
+
+    >>> sentence("is its unit right?"), sentence("s = 0 is the lower end")
+    ('Is its unit right?', 's = 0 is the lower end.')
+    """
+    begun = text if text[1:2] == " " else text[0].upper() + text[1:]
+    return begun if begun.endswith("?") else f"{begun}."
+
+
 def typeset(text: str) -> str:
     """Plain text with the letters of physics: ``beta'(0) = -1e-05 rad (5 deg)`` as ``β₀′ = −10⁻⁵ rad (5°)``."""
     for plain, letters in (

@@ -299,7 +299,7 @@ def facts(one: LiveRod) -> dict[str, Any]:
             f"Only the first {labels.number(one.shown)} {units['length']} are shown: the rod bends too often for more."
         )
     words = [*free_rod_words.sentences(sol, units), *pipe_words.all_sentences(sol, units)]
-    said = [labels.minus_signs(f"{sentence[0].upper()}{sentence[1:]}.") for sentence in words]
+    said = [labels.minus_signs(labels.sentence(sentence)) for sentence in words]
     return {
         "outcome": str(sol.outcome),
         "error": float(sol.error),
