@@ -113,14 +113,17 @@ class Measured(Terms):
     def error_of(self, name: str) -> float:
         return 0.0
 
+    def middle(self, name: str) -> tuple[Term, float]:
+        return Term(f"v.middle_{name}"), 0.0
+
     def scale(self, name: str, factor: Any) -> tuple[Any, Any]:
         return Term(f"v.{name}") * factor, 0.0
 
 
 OBSERVED = (
     "FZ", "MZ", "M3", "amplitude", "turns_around", "height", "kappa_mean", "kappa_max", "contact_size_mean",
-    "push_mean", "pull_mean", "push_min", "push_max", "push_max_at", "attached", "lift_off_at", "F3_size_max",
-    "bending_moment_max", "bending_stress_max", "energy", "bending_energy", "twist_energy",
+    "push_mean", "pull_mean", "push_min", "push_max", "push_max_at", "push_middle", "attached", "lift_off_at",
+    "F3_size_max", "bending_moment_max", "bending_stress_max", "energy", "bending_energy", "twist_energy",
 )  # fmt: skip
 
 

@@ -130,6 +130,21 @@ def saved(tmp_path_factory) -> Path:
     return path
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("dna", "number of bends; β varies by 0.006°"),
+        ("pipe", "push of the cylinder per length; 0.3632 kN/m in the middle"),
+    ],
+)
+def test_a_number_that_misleads_alone_has_another_beside_it(page, name, words) -> None:
+    page(f"page.begin({name!r})")
+    page.until(lambda: words in page("return document.getElementById('headline').innerText"), words)
+    page("page.begin('table1')")
+    page.drawn()
+    page.until(lambda: ";" not in page("return document.getElementById('headline').innerText"), "no more words")
+
+
 def test_the_page_draws_a_rod_and_says_what_it_is(page, tmp_path) -> None:
     page.until(lambda: page("return document.getElementById('o-overlaps')"), "the observables of the server")
     assert page("return document.getElementById('h-bends').innerText") == "6"

@@ -106,7 +106,7 @@ def test_a_rod_with_weight_has_the_fields_and_the_push_of_the_server() -> None:
 
 
 OBSERVED = ("bends", "bend_number", "amplitude", "turns_around", "height", "kappa_mean", "kappa_max", "push_mean",
-            "pull_mean", "push_min", "push_max", "push_max_at", "attached", "lift_off_at", "F3_size_max",
+            "pull_mean", "push_min", "push_max", "push_max_at", "push_middle", "attached", "lift_off_at", "F3_size_max",
             "bending_moment_max", "bending_stress_max", "energy", "bending_energy", "twist_energy")  # fmt: skip
 
 
@@ -119,7 +119,7 @@ def test_the_observables_are_those_of_the_solver() -> None:
         assert set(known) == {*OBSERVED} & {*found}
         for name in known:
             size = abs(float(wanted[name]))
-            if name in ("push_mean", "pull_mean", "push_min", "push_max"):
+            if name in ("push_mean", "pull_mean", "push_middle", "push_min", "push_max"):
                 size = max(abs(float(wanted["push_min"])), abs(float(wanted["push_max"])))
             # the rods of the page are solved to 1e-8, and known at stations
             assert found[name] == pytest.approx(float(wanted[name]), abs=1e-6 * max(size, 1e-9)), name
@@ -542,6 +542,29 @@ def test_push_and_pull_are_shaded_as_in_the_figures() -> None:
     band, area = run("answer([diagram.BAND, diagram.AREA]);", None, ("diagram",))
     np.testing.assert_allclose(bands, [*np.array(colours.rgb(colours.PULLED)) / 255, band])
     np.testing.assert_allclose(areas, [*np.array(colours.rgb(colours.PUSHED)) / 255, area])
+
+
+@pytest.mark.parametrize("name", ["dna", "pipe"])
+def test_the_curve_of_a_winding_rod_begins_where_its_dot_stands_whichever_way_it_winds(name: str) -> None:
+    script = """
+    const one = rod_case.caseOf(given.state, {}), rows = Object.entries(given.arrays),
+      arrays = Object.fromEntries(rows.map(([name, row]) => [name, Float64Array.from(row)])),
+      [view] = curves.diagrams(rod_shape.interpolated(core, one, arrays, given.facts), given.state.units);
+    answer([view.y.slice(0, 3), view.jump, view.cursor({ z: 0, alpha: arrays.alpha[0] })]);"""
+    answer = page_model.answer(page_model.shape(page_model.study_of(STATES[name])))
+    given = {"state": STATES[name], "arrays": answer["arrays"], "facts": answer | {"sound": True, "shown": 1}}
+    y, jump, cursor = run(script, finite(given), (*MODULES, "curves"))
+    assert np.abs(np.diff(y)).max() < jump / 5
+    assert cursor[1] == y[0]
+
+
+def test_a_letter_of_the_triad_stands_on_no_arm() -> None:
+    script = "answer(given.map(([place, arm]) => stage.clearOf(place, arm)));"
+    up = [0, -0.9]
+    places = run(script, [[[0, -12], up], [[-3, -12], up], [[12, 0], up], [[0, -40], up]], ("stage",))
+    assert [abs(x) for x, _ in places] == [9, 9, 12, 0]
+    assert places[1][0] < 0  # to the side on which it stood
+    assert [y for _, y in places] == [-12, -12, 0, -40]
 
 
 def test_the_potential_and_the_level_are_the_solvers() -> None:

@@ -21,6 +21,7 @@ export function make(tag, properties = {}, ...content) {
 }
 
 const HEADLINE = ["index", "bends", "turns_around", "height", "push_max", "kappa_max", "gap_max", "contact_share"];
+const DEGREE = Math.PI / 180;
 const BARRED = /pass(es)? through itself|lift off|tighter than/, // sentences on what no real rod could do
   LIMIT = "The model's limit near the ends."; // before one on lift-off there alone
 
@@ -28,12 +29,23 @@ const BARRED = /pass(es)? through itself|lift off|tighter than/, // sentences on
 export const putPixels = (canvas, pixels) =>
   canvas.getContext("2d").putImageData(new ImageData(pixels, canvas.width, canvas.height), 0, 0);
 
+/* What stands beside an observable: of bends that nobody sees by how much beta varies, and of a rod between clamps, next
+   to which the push may be largest, the push in its middle. found: the observables. text: the value of one. */
+function beside(name, found, { kind, leaves }, text) {
+  const isFlat = name === "bends" && found.bends > 0 && found.amplitude < DEGREE;
+  if (isFlat) return `; β varies by ${powers(number(found.amplitude / DEGREE, 2))}°`;
+  if (name !== "push_max" || kind !== "ends" || leaves || !("push_middle" in found)) return "";
+  return text("push_middle") === text("push_max") ? "" : `; ${text("push_middle")} in the middle`;
+}
+
 /* Observables, name and value each, and sentences before those of the server. me: state, shape and head. quantities:
    symbol, words and dimension of each name. left: why the large numbers are left out. */
 export function showRows({ state: { units }, shape, head: { notes = [], details = [] } }, rows, told, quantities, left = "") {
-  const sentences = [...told, ...notes];
+  const sentences = [...told, ...notes],
+    found = Object.fromEntries(rows),
+    text = (name, value = found[name]) => inUnit(value, stated(quantities[quantityOf(name)][2], units, name));
   const row = ([name, value], id) => {
-    const [symbol, long, dimension] = quantities[quantityOf(name)],
+    const [symbol, long] = quantities[quantityOf(name)],
       isAnswer = name === "overlaps",
       isStability = id === "h" && name === "index",
       words = isAnswer ? "whether the rod passes through itself" : isStability ? "under these loads" : long,
@@ -45,8 +57,8 @@ export function showRows({ state: { units }, shape, head: { notes = [], details 
           ? stability(value)
           : name === "lift_off_at" && value > shape.one.L * (1 - 1e-9)
             ? "nowhere"
-            : inUnit(value, stated(dimension, units, name));
-    return make("div", {}, make("dt", {}, letter, isSaid ? words.slice(symbol.length) : ` ${words}`),
+            : text(name, value);
+    return make("div", {}, make("dt", {}, letter, isSaid ? words.slice(symbol.length) : ` ${words}`, beside(name, found, shape.one, text)),
                 make("dd", { id: `${id}-${name}` }, amount));
   };
   const headline = HEADLINE.map((name) => rows.find(([other]) => other === name)).filter(Boolean);

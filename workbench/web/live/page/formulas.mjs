@@ -75,6 +75,7 @@ export const OBSERVED = {
   push_min: (v) => v.least * (v.A / v.rho ** 3),
   push_max: (v) => v.most * (v.A / v.rho ** 3),
   push_max_at: (v) => v.peak * v.rho,
+  push_middle: (v) => v.middle_push * (3 * (v.A / (v.rho ** 3 * v.span))),
   attached: (v) => v.share * (1 / v.span),
   lift_off_at: (v) => v.lifts * v.rho,
   F3_size_max: (v) => v.tension * (v.A / v.rho ** 2),

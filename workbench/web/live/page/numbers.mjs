@@ -16,7 +16,9 @@ export function observables(shape) {
   const fine = wanted > shape.even.s.length && shape.at(evenly(one.L * shown, wanted)), // of a long rod: errors add up
     stations = merged(fine || every(shape.even, STEP), shape.marks), // extremes that are equal are so at the marks alone
     read = shape.core.measure(problem, one.sign, shape.error || 0, timed(one, stations)),
-    known = { ...one, ...problem, ...read };
+    third = evenly(one.L / 3, Math.ceil(stations.s.length / 3)),
+    middle = shown === 1 && shape.core.measure(problem, one.sign, 0, timed(one, shape.at(third.map((s) => s + one.L / 3)))),
+    known = { ...one, ...problem, ...read, middle_push: middle.pushed ?? NaN };
   const rows = Object.entries(OBSERVED).map(([name, formula]) => [name, formula(known)]),
     { FZ, MZ, M3, ...others } = Object.fromEntries(rows.filter(([, value]) => !Number.isNaN(value)));
   const noise = Math.max(ROUNDING, 10 * shape.error),
