@@ -61,11 +61,13 @@ def test_the_page_says_what_the_rod_does_as_the_first_slider_rises(tmp_path, tex
     own = begun(tmp_path, text)
     study = page_model.study_of(own.state)
     value = own.state["base"][own.handle]
-    raised = own.state | {"base": own.state["base"] | {own.handle: value + 1e-4 * abs(value)}}
+    raised = own.state | {
+        "base": own.state["base"] | {own.handle: value + 1e-4 * (abs(value) or own.spans[own.handle])}
+    }
     before, after = (
         observe(page_model.shape(one).sol, [*presets.FOLLOWS]) for one in (study, page_model.study_of(raised))
     )
-    changes = {name: float(after[name]) / float(before[name]) - 1 for name in presets.FOLLOWS}
+    changes = {name: float(after[name]) / size - 1 for name, value in before.items() if (size := float(value))}
     most = max(changes, key=lambda name: abs(changes[name]))
     assert own.sentence.endswith(f"a little, and {presets.FOLLOWS[most][changes[most] < 0]}.")
 

@@ -30,7 +30,7 @@ FOLLOWS = {
     "turns_around": ("the rod winds further around the cylinder", "the rod winds less far around the cylinder"),
     "height": ("the rod reaches further along the cylinder", "the rod reaches less far along the cylinder"),
     "kappa_max": ("the tightest bend gets tighter", "the tightest bend gets wider"),
-    "push_max": ("the largest push of the cylinder grows", "the largest push of the cylinder falls"),
+    "push_mean": ("the cylinder pushes harder", "the cylinder pushes less hard"),
 }
 SLIGHT = 1e-3  # of its size, by which an observable changes where the field is doubled: less is not told
 ON_WALL = {"friction": 0.0, "sliding": "forward"}  # have one where the cylinder also holds the rod on

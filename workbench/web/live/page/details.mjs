@@ -34,7 +34,7 @@ export const putPixels = (canvas, pixels) =>
 function beside(name, found, { kind, leaves }, text) {
   const isFlat = name === "bends" && found.bends > 0 && found.amplitude < DEGREE;
   if (isFlat) return `; β varies by ${powers(number(found.amplitude / DEGREE, 2))}°`;
-  if (name !== "push_max" || kind !== "ends" || leaves || !("push_middle" in found)) return "";
+  if (name !== "push_max" || kind !== "ends" || leaves || !(found.push_max > found.push_middle)) return "";
   return text("push_middle") === text("push_max") ? "" : `; ${text("push_middle")} in the middle`;
 }
 
