@@ -306,7 +306,7 @@ def words_of(way: GrowthWay) -> str:
         said.append(f"{LEAVES} where its sinusoid would lift off the wall, for a helix")
     if way.buckled is not None:
         said.append(f"which buckles at {way.buckled:.6g} times these loads")
-    said += [f"{LEAVES} at {share:.3g} {of} for another stable shape" for share in way.jumped]
+    said += [f"{LEAVES} at {share:.3g} {of} for another shape" for share in way.jumped if share]
     if way.rubbed:
         said.append(f"{RUBS} raises its compression")
     return ", ".join([*said, *([way.why] * bool(way.why))])

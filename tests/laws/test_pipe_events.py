@@ -65,7 +65,7 @@ def test_dogleg_and_bending_stress_are_those_of_the_curve_in_space() -> None:
     curve = make_interp_spline(sol.s, sol.position, k=7)
     bend = np.linalg.norm(curve(sol.s, 2), axis=1)[40:-40].max()  # a spline's derivatives are poor at its ends
     most = {row.name: row.largest for row in profile(sol, {"length": "m", "force": "kN"})}
-    assert np.degrees(bend * 30) == pytest.approx(most["dogleg of the pipe"], rel=2e-4)
+    assert np.degrees(bend * 30) == pytest.approx(most["dogleg"], rel=2e-4)
     assert 2.06e8 * 0.0635 * bend / 1e3 == pytest.approx(most["bending stress"], rel=2e-4)
 
 
@@ -257,7 +257,7 @@ def test_the_rows_of_a_pipe_are_its_observables(L: float, inclination: str, load
     assert push.largest == pytest.approx(float(seen["push_max"]), **near)
     assert push.middle == pytest.approx(float(seen["push_middle"]), rel=1e-10)
     assert push.at == pytest.approx(float(seen["push_max_at"]), abs=1e-3)  # flat there
-    assert rows["dogleg of the pipe"].largest == pytest.approx(np.degrees(float(seen["kappa_max"])) * 30, **near)
+    assert rows["dogleg"].largest == pytest.approx(np.degrees(float(seen["kappa_max"])) * 30, **near)
     assert rows["bending stress"].largest == pytest.approx(float(seen["bending_stress_max"]) / 1e3, **near)
     assert rows["axial force FZ"].start == pytest.approx(float(seen["FZ0"]), rel=1e-12)
     if "torque M3" in rows:

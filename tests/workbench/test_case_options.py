@@ -299,6 +299,26 @@ def test_the_first_numbers_of_a_cable_are_its_pitch_and_stress(capsys: pytest.Ca
     assert stress == pytest.approx(2e5 * np.sin(np.deg2rad(80)) ** 2 / 61, rel=1e-5)
 
 
+def test_of_a_helix_with_friction_nothing_is_said_of_clamps_or_of_another_shape(capsys) -> None:
+    """The push at its ends is that of the helix, T sin(beta)^2/rho; another cable under weight has clamps."""
+    words = "solve --length-unit mm --E 2e5 --nu 0.3 --a 1 --L 1500 --R 60 --tension 500 --lay 80deg"
+    assert exit_status(*words.split(), "--friction", "0.2") == 0
+    said = capsys.readouterr().out
+    assert "shown: the helix of this lay" in said
+    assert "clamp" not in said
+    assert "stable shape" not in said
+    assert "at 0 times" not in said
+    assert exit_status(*words.split(), "--weight", "2e-4", "--inclination", "90deg") == 0
+    assert "next to a clamp" in capsys.readouterr().out
+
+
+def test_bends_of_less_than_a_degree_are_told_with_how_little_the_angle_varies(capsys) -> None:
+    assert exit_status("solve", str(Path(__file__).parents[2] / "examples" / "dna.toml")) == 0
+    assert re.search(
+        r"^bends +2 +number of bends .*; beta varies by 0\.0\d+ deg", capsys.readouterr().out, re.MULTILINE
+    )
+
+
 @pytest.mark.parametrize("angle", ["-10deg", "200deg"])
 def test_a_hole_whose_inclination_is_none_is_refused_by_its_own_name(angle: str, capsys) -> None:
     rod = "--EI 1e5 --GJ 8e4 --a 0.05 --L 30 --R 0.08 --side inside --weight 300 --beta0 0 --betaL 0 --MZ 0 --wob 1e4"

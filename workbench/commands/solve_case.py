@@ -276,6 +276,7 @@ def _bend(kappa: float, least: float | None) -> dict[str, float]:
     return {"radius": radius, "least": least or 0.0, "margin": radius / least - 1 if least else math.inf}
 
 
+FLAT = 1.0  # deg: how little beta varies is said beside the bends
 PROFILE = ("start", "middle", "largest", "at", "far")
 OFF_WALL = (
     "turns_around",
@@ -379,12 +380,14 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
         heads = OFF_WALL if found["case"].get("contact") else WOUND_HEADLINES if found["wound"] else HEADLINES
         others = set(found["observables"]) | set(found["case"]) - set(heads)  # a load that is given stands above
         shown = [name for name in results if every or name in heads or name not in others]
+        turn = math.degrees(results.get("amplitude", math.inf))
+        varies = f"; beta varies by {turn:.2g} deg" * (turn < FLAT and bool(results.get("bends")))
         rows = [
             [
                 name,
                 value if isinstance(value, int) else _number(name, value, found),
                 _unit(name, found),
-                quantity(name).long_name,
+                quantity(name).long_name + varies * (name == "bends"),
             ]
             for name, value in ((name, results[name]) for name in shown)
         ]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from solver import Case, Solution
 
 # rows of a profile
-FORCE, PUSH, DOGLEG = "axial force FZ", "push of the wall", "dogleg of the pipe"
+FORCE, PUSH, DOGLEG = "axial force FZ", "push of the wall", "dogleg"
 STRESSES = ("axial stress", "bending stress", "both stresses together")
 ROUNDING = 1e-12  # relative
 LEVEL = 1e-4  # relative: a smaller change along a rod shows in none of four digits

@@ -104,11 +104,16 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
 
 def lay_sentence(sol: "Solution", force: str) -> str:
     """Whether a rod that is wound under weight or friction is a helix, and its tension at both ends, in a sentence."""
-    range_ = math.degrees(float(np.ptp(sol.beta)))
+    range_ = _turn(sol)
     at_ends = f"tension F3 {plain(float(sol.F3[-1]))} {force} at s = L, {plain(float(sol.F3[0]))} {force} at s = 0"
     if range_ < STEADY:
         return f"shown: the helix of this lay; {at_ends}"
     return f"shown: a rod under the loads of this helix at s = L, whose lay varies by {range_:.3g} deg; {at_ends}"
+
+
+def _turn(sol: "Solution") -> float:
+    """By how much beta varies along the rod [deg]."""
+    return math.degrees(float(np.ptp(sol.beta)))
 
 
 def way_of(begun: str) -> str:
@@ -245,10 +250,10 @@ def _lift_offs(sol: "Solution", length: str) -> list[str]:
 
 
 def _clamps(sol: "Solution", push: ProfileRow) -> list[str]:
-    """That the push at a clamped end is not that of the pipe; nothing of a straight rod and of hinges."""
+    """That the push at a clamped end is not that of the rod; nothing of a straight rod, of a helix and of hinges."""
     ends = ("s = 0", "beta0"), ("s = L", "betaL")
     places = [place for place, angle in ends if getattr(sol.case.given, angle, None) is not None]
-    if sol.case.leaves or not places or all(state.word == STRAIGHT for state in sol.states):
+    if sol.case.leaves or not places or all(state.word == STRAIGHT for state in sol.states) or _turn(sol) < STEADY:
         return []
     said = f"the push at {' and '.join(places)} is that next to a clamp"
     return [f"{said}; a wave away from the ends it is at most {plain(push.inside)} {push.unit}"]
