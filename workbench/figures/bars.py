@@ -62,13 +62,15 @@ def of_cases(
     if (count := stored.sizes[axis]) > MOST:
         raise InputError(f"bars show at most {MOST} values of an axis, and {axis} has {count}: choose --kind lines")
     show, most = [sheet.panel] if sheet.panel else show, _most_panels(sheet, count) or MOST_PANELS
-    names = stored.names_of(show) if show else stored.names_that_vary or stored.observables
+    cases = stored.places(axis, at)
+    held = {name: i for name, i in cases[0].items() if name != axis}
+    line = stored.select(held | {axis: [case[axis] for case in cases]})
+    names = stored.names_of(show) if show else line.names_that_vary or stored.observables
     names, left_out = (names, []) if show else (names[:most], names[most:])
     if not names:
         raise InputError("no bars: the dataset has no observables")
-    cases = stored.places(axis, at)
-    held = {name: i for name, i in cases[0].items() if name != axis}
     notes = [f"All bars: {stored.equations(held)}."] if held else []
+    notes += labels.definitions(stored.expressions, names)
     notes += canvas.say_left_out(left_out, "--show or --panel")
     first, *others = labels.distinct(stored[axis], stored[axis].values[[case[axis] for case in cases]])
     rows = [f"{labels.axis_symbol(axis)} = {first}", *(text.partition(" ")[0] for text in others)]

@@ -145,7 +145,8 @@ def dimension_distance(ax: Axes, view: Views, k: int, R: float, text: str) -> No
         _write(ax, middle, text, rotation=turned, rotation_mode="anchor", bbox=PLATE)
         return
     left = np.array([-place[1], place[0]]) / size
-    free = -np.sign(np.mean(view.end @ left) or 1.0) * left
+    beside = np.array_split(view.end, 2)[k]  # the half of the rod that ends there
+    free = -np.sign(np.mean(beside @ left) or 1.0) * left
     aside = BEYOND + fonts.height_of(text, fonts.small()) * MILLIMETRES / 2
     _write(ax, middle + aside / view.mm * free, text, rotation=turned, rotation_mode="anchor")
 

@@ -173,7 +173,8 @@ def _words(
     said.append(f"A side view, seen from α = {eye}{'; dashed: behind the cylinder' * hides}.")
     if free:
         said.append("Beside it the end view, along the axis from s = 0.")
-        said += [labels.sentence(text) for text in free_rod_words.sentences(free, chosen.units)]
+    texts = [chosen.restable, *(free_rod_words.sentences(free, chosen.units) if free else ())]
+    said += [labels.sentence(text) for text in texts if text]
     said += ["The rod is thinner than its line."] if 2 * rod.a * view.mm < HAIR else []
     return line, [*said, *([] if view.whole else ["A part of the rod is drawn, from s = 0."])]
 

@@ -125,7 +125,21 @@ def caption_of(law: LawLine) -> str:
     others = law_words.others(row, lambda name: labels.symbol(law.others[name]))
     measured = law_words.measurement(row, show)
     said = law_words.join([row["verdict"], labels.law_text(row, measured)]).rstrip(".")
-    return f"{row['claim']}: {sentence(law)}; {said}. {others}".rstrip()
+    return f"{row['claim']}: {sentence(law)}; {said}. {others}".rstrip() + _say_larger_error(law)
+
+
+def _say_larger_error(law: LawLine) -> str:
+    """A sentence where the estimated error of an observable is more than its law allows; else nothing."""
+    rule = law.row["rule"]
+    if law.row["kind"] != "equals":
+        return ""
+    relative = rule.get("relative")
+    errors = law.errors / (1.0 if relative is None else np.abs(law.compared["formula"]))
+    most = float(np.max(errors, initial=0.0, where=np.isfinite(errors)))
+    if most <= (rule["absolute"] if relative is None else relative):
+        return ""
+    words = labels.value(most, law.observable, 2) if relative is None else f"{100 * most:.2g}{labels.NO_BREAK}%"
+    return f" Its estimated error, up to {words}, exceeds the tolerance."
 
 
 def show_of(formulas: Mapping[str, str], observable: xr.DataArray, axis: xr.DataArray) -> Show:

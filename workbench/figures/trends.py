@@ -33,7 +33,7 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
     set_scale(ax.xaxis, (float(along.min()), float(along.max())), line.is_logarithmic, SPARE)
     others = [(name, row) for name, row in zip(line.names, lines, strict=False) if not np.array_equal(row, values)]
     ends = np.sort([row[-1] for _, row in others])
-    named = others if (np.diff(ends) > APART * np.ptp(lines)).all() else []
+    named = others if others and (np.diff(ends) > APART * np.ptp(lines)).all() else []
     for k, other in enumerate(lines, 1):
         look: dict[str, Any] = {"color": colours.FAINT, "linewidth": 1, "zorder": 1, "gid": f"{line.elsewhere}, {k}"}
         draw_line(ax, along, other, line.is_count, label="" if named else line.elsewhere, **look)

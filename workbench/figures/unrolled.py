@@ -34,7 +34,7 @@ from .halo import Halo
 from .sheet import SCREEN, Sheet
 
 NAMES = ("alpha", "z", "push")
-TALLEST = 0.78  # the height of all views of a figure as a share of its width
+TALLEST, EACH = 0.78, 0.6  # the height of all views of a figure as a share of its width; inches of each on a narrow one
 STRIPS, LEAST_STRIP = (0.75, 0.42), 0.9  # height over a narrow and another width of a sheet; inches in print at least
 LABELS = 0.35  # inches below and above views in a panel
 BESIDE, BELOW, LEGEND = 0.5, 0.15, 0.25  # inches of a figure beside views, below them, and of a legend of rings
@@ -48,7 +48,7 @@ STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches of all upwards at most
 REACH = 2.0  # radii of the rod between a ring and its line at most: two stretches overlap within one radius of it
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
-BEGINNING: dict[str, Any] = {"color": colours.INK, "markersize": 2.8, "markeredgewidth": 0, "zorder": 6}
+BEGINNING: dict[str, Any] = {"color": colours.INK, "markersize": 2.0, "markeredgewidth": 0, "zorder": 6}
 ARROW, FOOT = 0.45, 0.55  # inches of the arrows of the key at most, and of all of it downwards
 BAR, BAR_GAP = 0.3, 0.3  # inches of the bar of colours per point of its words, and between the key and the bar
 VIEWS = "unrolled views"  # the label of their axes
@@ -306,7 +306,7 @@ def figure(
     """
     sheet.choose(["curves"])
     rods = drawn_rods.choose(stored, NAMES, x, at)
-    room = sheet.width - BESIDE, TALLEST * sheet.width
+    room = sheet.width - BESIDE, max(TALLEST * sheet.width, EACH * len(rods.rods) * sheet.narrow)
     panel = panel_of(rods, room, sheet.small, bar=rods.source.units)
     said = [*rods.said(), *rods.notes]
     return canvas.page(rods.source, sheet, [(panel.height, [panel.draw])], said, panel.below)
@@ -347,7 +347,9 @@ class UnrolledPanel:
 
     @property
     def is_straight(self) -> bool:
-        """Whether each view is a straight line as it is drawn, within its width: there is nothing to see."""
+        """Whether each view is one straight line as it is drawn, within its width: there is nothing to see."""
+        if any(view.over for view in self.views):
+            return False
         for view in self.views:
             x, y = self.form.scale * view.x, self.form.scale * self.form.factor * view.y
             if x.size:

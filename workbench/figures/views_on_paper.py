@@ -26,8 +26,8 @@ LEFT, ABOVE, BELOW = 24.0, 15.0, 24.0  # millimetres on paper around the views
 RIGHT = (12.0, 4.0)  # of them, on a wide and on a narrow sheet
 HIGH = (110.0, 70.0)  # of the cylinder with its rod at most, on a wide and on a narrow sheet
 TALL = (130.0, 70.0)  # of an end view
-CEDED = 2.5  # by which factor point forces and their words make the scale smaller at most
-APART = 16.0  # between the two views
+CEDED = 2.0  # by which factor point forces and their words make the scale smaller at most
+APART = (16.0, 8.0)  # between the two views, on a wide and on a narrow sheet
 THICK, HAIR = 0.8, 0.3  # of the rod: thinner, the drawing shows a part of it; thinner, it is a line
 SPARE = 4.0  # of cylinder beyond both ends of the rod
 # of the smallest and the largest point force, on a wide and on a narrow sheet; from the tip to its words
@@ -86,6 +86,7 @@ class Views:
     highest place of rod and cylinder [length]. box: the lower left and the upper right of all that is drawn of the end
     view, from the axis, (2, 2) [mm]; without one upwards alone counts. forces: without words, or none, where the end
     view has no room for them; None where there is no end view. squeeze: of lengths along the axis, before the scale.
+    apart: millimetres between the two views.
     """
 
     x: Values
@@ -102,12 +103,13 @@ class Views:
     box: Values
     forces: Sequence[Force] | None
     squeeze: float = 1.0
+    apart: float = APART[0]
 
     @property
     def wide(self) -> float:
         """Millimetres from the start of the rod to the right edge of what is drawn."""
         side = float(np.ptp(self.x)) * self.mm
-        return side if self.forces is None else side + SPARE + APART + float(np.ptp(self.box[:, 0]))
+        return side if self.forces is None else side + SPARE + self.apart + float(np.ptp(self.box[:, 0]))
 
     def foot(self, k: int, R: float, a: float) -> float:
         """The lowest place of cylinder and rod about an end of the rod, k: 0 or -1 [length]."""
@@ -117,7 +119,7 @@ class Views:
     @property
     def middle(self) -> Values:
         """Where the axis is in the end view, to the right and upwards, (2,) [length]."""
-        return np.array([float(self.x.max()) + (SPARE + APART - float(self.box[0, 0])) / self.mm, 0.0])
+        return np.array([float(self.x.max()) + (SPARE + self.apart - float(self.box[0, 0])) / self.mm, 0.0])
 
 
 def end_view(places: Values, up: Values | Sequence[float]) -> tuple[Values, Values]:
@@ -156,7 +158,7 @@ def views_of(
 
     def beside(scale: float, arrows: Sequence[Force] | None) -> float:
         """Millimetres of the end view, with what is before it."""
-        return 0.0 if arrows is None else SPARE + APART + float(np.ptp(box(scale, arrows)[:, 0]))
+        return 0.0 if arrows is None else SPARE + APART[narrow] + float(np.ptp(box(scale, arrows)[:, 0]))
 
     def scales(arrows: Sequence[Force] | None) -> list[float]:
         """The standard scales with which all but the length fits, falling; at least the smallest."""
@@ -185,7 +187,21 @@ def views_of(
     x, y, near, beta = (values[:k] for values in (squeeze * x, y, near, beta))
     whole = k == s.size
     return Views(
-        x, y, near, beta, s, end, scale, mm * scale, whole, low_side, ends, box(scale, arrows), arrows, squeeze
+        x,
+        y,
+        near,
+        beta,
+        s,
+        end,
+        scale,
+        mm * scale,
+        whole,
+        low_side,
+        ends,
+        box(scale, arrows),
+        arrows,
+        squeeze,
+        APART[narrow],
     )
 
 

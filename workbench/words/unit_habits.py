@@ -131,12 +131,14 @@ def plain(value: float, digits: int = 4) -> str:
 
 
 def within(value: float, error: float, digits: int = 4) -> str:
-    """A number as `plain`, without the digits in which its error is more than one; one digit stays.
+    """A number as `plain`, without the digits in which its error is more than one; one digit stays, and of a number of
+    at least ten errors two.
 
-    >>> within(78.567, 0.27), within(-110930.0, 541.0), within(2.4, 30.0), within(2.4, 0.0)
-    ('79', '-111000', '2', '2.4')
+    >>> within(78.567, 0.27), within(-110930.0, 541.0), within(2.4, 30.0), within(2.4, 0.0), within(2.53, 0.14)
+    ('79', '-111000', '2', '2.4', '2.5')
     """
     if not (0 < error < math.inf and math.isfinite(value)):
         return plain(value, digits)
-    rounded = round(value, -math.ceil(math.log10(error)))
+    places = -math.ceil(math.log10(error))
+    rounded = round(value, max(places, 1 - math.floor(math.log10(abs(value)))) if abs(value) >= 10 * error else places)
     return plain(rounded, digits) if rounded else plain(value, 1)
