@@ -19,6 +19,7 @@ LETTERS = 5  # of a symbol; more are a name
 NO_BREAK = "\N{NO-BREAK SPACE}"
 STIFFNESSES = {"pi": "π", "bending_stiffness": "EI", "torsional_stiffness": "GJ"}  # as a study names them
 LONGEST = 60  # letters of a formula beside a curve
+DIGITS = 4  # of the largest number of a column
 COUNTS = {"bends": "the number of bends", "loops": "the number of loops"}  # in a sentence; their symbols are plural
 
 
@@ -51,20 +52,20 @@ def alike(values: Iterable[float], digits: int = 4) -> list[str]:
     return [in_full(text) for text in texts]
 
 
-def column(values: Iterable[float], errors: Iterable[float] = (), digits: int = 4) -> list[str]:
+def column(values: Iterable[float], errors: Iterable[float] = ()) -> list[str]:
     """Numbers one above the other with the same decimals, none beyond the largest of their errors.
 
-    They are so many that the largest number has so many digits, and the least one digit; numbers that differ by more
-    powers of ten have each their own.
+    The largest number has four digits, and the least at least one; numbers that differ by more powers of ten have each
+    their own.
 
     >>> column([0.142, 0.0909, 0.0]), column([10.109, 2.803], [0.139, 0.14]), column([15000.0, 0.02])
     (['0.1420', '0.0909', '0'], ['10.1', '2.8'], ['15000', '0.02'])
     """
     values = [*values]
     powers = [floor(log10(abs(value))) for value in values if value and abs(value) < float("inf")]
-    if not powers or max(powers) - min(powers) > digits or not -4 <= min(powers) <= max(powers) <= 5:
-        return [powers_of_ten(number(value, digits)) for value in values]
-    least, places = max(-min(powers), 0), max(digits - 1 - max(powers), -min(powers), 0)
+    if not powers or max(powers) - min(powers) > DIGITS or not -4 <= min(powers) <= max(powers) <= 5:
+        return [powers_of_ten(number(value, DIGITS)) for value in values]
+    least, places = max(-min(powers), 0), max(DIGITS - 1 - max(powers), -min(powers), 0)
     if error := max((error for error in errors if error < float("inf")), default=0.0):
         places = max(min(places, -floor(log10(error))), least)
     while places > least and all(
