@@ -153,7 +153,7 @@ def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monke
     assert (row["verdict"], len(row["exceptions"])) == (FAILS, 2)
     assert law_words.law_in_words(row) == "height stays level along E"
     fig = study_figure.figure(StoredStudy(ds))
-    assert any(ax.get_title(loc="left").endswith("a: false") for ax in fig.axes)
+    assert any(ax.get_title(loc="left").endswith("a:\N{NO-BREAK SPACE}false") for ax in fig.axes)
     assert "stays level with" in " ".join(canvas.caption(fig))
 
 
