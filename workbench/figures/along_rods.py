@@ -33,14 +33,12 @@ STATES, PIPE = "states", "pipe"  # panels that are no array
 ARRAYS = {STATES: ("beta", "alpha", "push"), PIPE: ("alpha", "beta", "push")}  # what they need; the first is drawn
 TITLES = {"beta": "angle β to the axis", "kappa": "curvature κ"}
 NO_STATES = "a state (straight, sinusoidal, helical) is that of a rod with weight"
-# a mark where the cylinder would have to pull
+# behind a curve where the cylinder would have to pull
 PULLS: dict[str, Any] = {
     "color": colours.PULLED,
-    "marker": "o",
-    "markersize": 3.5,
-    "markeredgecolor": "white",
-    "markeredgewidth": 0.5,
-    "linestyle": "none",
+    "linewidth": 3.6,
+    "solid_capstyle": "round",
+    "label": "would lift off",
 }
 MOST, MOST_PANELS = 60, 6  # rods of a map; panels
 CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
@@ -114,7 +112,7 @@ def figure(
 
     panels = [partial(panel, i) for i in range(len(names))]
     rows: list[canvas.Row] = [(tall + 0.3, [single]) for single in panels] if sheet.narrow else [(tall + 0.75, panels)]
-    faint = len(names) > 1 and any(not curve.foot for curve in curves)
+    faint = names != [PIPE] and any(not curve.foot for curve in curves)
     said = ["Faint line: where the quantity of a rod is 0."] * faint + notes
     return canvas.page(rods.source, sheet, rows, said, 0.75)
 
@@ -162,7 +160,8 @@ def _curves(rods: DrawnRods, name: str, inches: float) -> Curves:
         step, drawn = PIPE_STEP * size, [(k, -size / 2, size / 2) for k in range(len(values))]
     else:
         apart = name == "push" or (not foot and low >= 0)  # no curve crosses the line of another
-        step = max(_clear_step(rods, values, foot, apart, inches), 0.25 * size)
+        reach = max(max(most - foot, foot - least) for _, least, most in drawn)  # no curve passes the next line
+        step = max(_clear_step(rods, values, foot, apart, inches), reach) or 1.0
     ends = (
         min(0.0, *(k + (least - foot) / step for k, least, _ in drawn)),
         max(len(values) - 1.0, *(k + (most - foot) / step for k, _, most in drawn)),
@@ -322,16 +321,8 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
         if curves.name == PIPE:
             continue
         _, first, after = regions.runs((push < -SLIGHT * np.abs(push).max())[None])
-        middle = (s[first] + s[after - 1]) / 2  # of each stretch where the cylinder would have to pull
-        ax.plot(
-            middle,
-            np.interp(middle, s, values),
-            **PULLS,
-            transform=where,
-            zorder=order + 0.01,
-            label="would lift off" * bool(middle.size),
-            gid=f"{rod.name}, would lift off",
-        )
+        for of in map(slice, first, after):
+            ax.plot(s[of], values[of], **PULLS, transform=where, zorder=order - 0.01, gid=f"{rod.name}, would lift off")
     return said
 
 

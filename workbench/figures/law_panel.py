@@ -19,8 +19,7 @@ from .trends import trend
 def panel(law: LawLine, ax: Axes, title: str) -> str:
     """Draw a law: its trend, and above it a title in the colour of the verdict. Returns its sentence of the caption."""
     row = law.row
-    is_covered = row["kind"] == "equals" or (row["kind"] == "scales" and bool(row["numbers"]))
-    trend(law, ax, joined=not is_covered)
+    trend(law, ax)
     colour = colours.VERDICTS[row["verdict"]]
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):

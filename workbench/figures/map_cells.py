@@ -15,6 +15,7 @@ from studies.grammar.axes import SAMPLE, WORDS
 from studies.language.refine_table import LEVEL
 
 from ..stored.quantity_variables import dimension
+from ..stored.stored_cases import BENDS, NEARLY_STRAIGHT
 from ..stored.stored_study import StoredStudy
 from ..words import caution_words, labels
 from . import regions
@@ -24,7 +25,6 @@ SWING = "swing"  # the logarithm of what `swings` gives of the cases of a refine
 LEAST = 1e-12  # rad: beta of a straight rod varies by rounding. x10: no change, as all of them are nearly straight
 MOST_COLUMNS = 5  # values of a third axis
 MOST_MAPS = 4  # observables where none is asked for
-BENDS, STRAIGHT = "bends", np.radians(10)  # bends of a rod whose beta varies by less than that are not coloured
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +52,10 @@ class Choice:
 class Cells:
     """The cells of one column of maps, (rows, columns) of the values of y and x, both rising.
 
-    stored: the cases there. solved: of each cell. straight: whether beta varies by less than `STRAIGHT` along its rod.
-    turned: whether its rod turns back against both its ends, and has no colour as laws leave it out. unchecked: of how
-    many cells the rod was not checked for a caution. source: the study with the arrays along the rod, at `place`.
+    stored: the cases there. solved: of each cell. straight: whether beta varies by less than `NEARLY_STRAIGHT` along
+    its rod. turned: whether its rod turns back against both its ends, and has no colour as laws leave it out.
+    unchecked: of how many cells the rod was not checked for a caution. source: the study with the arrays along the rod,
+    at `place`.
     """
 
     stored: StoredStudy
@@ -88,12 +89,15 @@ class Cells:
         x, y = np.meshgrid(self.x.values, self.y.values)
         return x.ravel(), y.ravel(), barred
 
-    def hidden_changes(self, name: str) -> NDArray[np.bool_]:
-        """Which cases of a refined study were added where a number changes that the map of `name` does not show: that
-        of the bends of nearly straight rods, (n,)."""
-        if SAMPLE not in self.source.sizes or name != BENDS:
-            return np.zeros(self.source["outcome"].size, dtype=bool)
-        return np.asarray((self.source[LEVEL].values > 0) & unbent(self.source, name))
+    def nearly_straight(self, name: str) -> NDArray[np.bool_]:
+        """The cases of a refined study whose number the map of `name` does not show, (n,): of those its coarse grid
+        alone is drawn, as the others were added where that number changes."""
+        return self.source.unbent(name).values.ravel() & (SAMPLE in self.source.sizes)
+
+    def marks(self, name: str, one_of: int) -> NDArray[np.int64]:
+        """The indices of the cases that the map of `name` has a mark for, of one out of so many."""
+        shown, straight = np.arange(self.samples()[2].size) % one_of == 0, self.nearly_straight(name)
+        return np.flatnonzero(np.where(straight, self.source[LEVEL].values == 0, shown) if straight.any() else shown)
 
     def values(self, name: str) -> NDArray[np.float64]:
         """An observable in the unit of its label, NaN where a cell is not solved, turns back or has no known number,
@@ -115,11 +119,6 @@ class Cells:
     def unbent(self, name: str) -> NDArray[np.bool_]:
         """Where an observable is the number of bends of a rod that is nearly straight."""
         return self.straight & (name == BENDS)
-
-
-def unbent(stored: StoredStudy, name: str) -> NDArray[np.bool_]:
-    """The cases of which an observable is the number of bends of a rod that is nearly straight."""
-    return swings(stored) < STRAIGHT if name == BENDS else np.zeros(stored["outcome"].shape, dtype=bool)
 
 
 def mappable(stored: StoredStudy) -> list[str]:
@@ -197,8 +196,8 @@ def cells(stored: StoredStudy, choice: Choice, where: Mapping[str, int], source:
     if leaves_out_turned(stored):
         turned = solved & caution_words.has_key(plane["caution"].values, caution_words.TURNED)
     scales = scale_of(plane, choice.x), scale_of(plane, choice.y)
-    swing = np.exp(plane[SWING].values) if SWING in plane else swings(plane)
-    straight = solved & (swing < STRAIGHT)
+    swing = np.exp(plane[SWING].values) if SWING in plane else plane.swings.values
+    straight = solved & (swing < NEARLY_STRAIGHT)
     return Cells(plane, *scales, solved, straight, turned, int(unchecked.sum()), plane if source is None else source)
 
 
@@ -214,17 +213,7 @@ def raster_of(stored: StoredStudy) -> StoredStudy:
     """The raster of a refined study, on which beta varies evenly between the cases: a limit of nearly straight rods
     along the edges of the cells around them would have steps as large as these. By its logarithm, as it may grow
     tenfold from one case to the next."""
-    return stored.raster(**{SWING: np.log(np.maximum(swings(stored), LEAST))})
-
-
-def swings(stored: StoredStudy) -> NDArray[np.float64]:
-    """By how much beta varies along the rod of each case [rad], of the shape of the cases; NaN where no file tells."""
-    if "amplitude" in stored:
-        return np.asarray(stored["amplitude"].values, dtype=float)
-    if "beta" not in stored:
-        return np.full(stored["outcome"].shape, np.nan)
-    beta = stored["beta"].transpose(..., "u").values
-    return np.asarray(beta.max(axis=-1) - beta.min(axis=-1), dtype=float)
+    return stored.raster(**{SWING: np.log(np.maximum(stored.swings.values, LEAST))})
 
 
 def _two_axes(stored: StoredStudy, x: str | None, y: str | None, at: dict[str, float]) -> tuple[str, str]:

@@ -19,12 +19,13 @@ from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 from studies.laws.line_verdicts import NOISE
 
+from ..stored.stored_cases import NEARLY_STRAIGHT
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, drawn_rods, fonts, regions, unrolled
 from .axis_scales import RoomLocator, Scale
 from .halo import Halo
-from .map_cells import STRAIGHT, Cells, Choice
+from .map_cells import Cells, Choice
 
 Values = NDArray[np.float64]
 # the scale of colours ends at the last value that is so many times the range of the others away from their middle;
@@ -155,7 +156,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
     for occurs, label, look in (
         (
             any(unbent.any() for _, unbent in numbers),
-            f"β varies by less than {np.degrees(STRAIGHT):.0f}°",
+            f"β varies by less than {np.degrees(NEARLY_STRAIGHT):.0f}°",
             {"facecolor": colours.BAND, **framed},
         ),
         (any(panel.turned.any() for panel in panels), "turns back against both its ends", TURNED),
@@ -170,12 +171,12 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
     turned = sum(int(panel.turned.sum()) for panel in panels)
     turn = ("turn back against both their ends and have", "turns back against both its ends and has")[turned == 1]
-    is_thinned = any(panel.hidden_changes(name).any() for panel in panels for name in shown)
+    is_thinned = any(panel.nearly_straight(name).any() for panel in panels for name in shown)
     return [
         *legend,
         *BARRED[1:] * is_mixed,
         *[f"{turned} of {cases} rods {turn} no colour."] * bool(turned),
-        *["Of nearly straight rods the cases of the coarse grid alone are shown."] * is_thinned,
+        *["Of nearly straight rods all cases of the coarse grid are shown, and no others."] * is_thinned,
         *[f"{unchecked} of {cases} rods were not checked for all cautions."] * bool(unchecked),
     ]
 
@@ -206,8 +207,7 @@ def _show_samples(ax: Axes, cells: Cells, name: str, inches: tuple[float, float]
     """A point at each case, a cross where no real rod could keep its shape; of very many cases so many, evenly chosen,
     and none that was added where a number changes that the map does not show. inches: width and height."""
     x, y, barred = cells.samples()
-    shown = np.arange(0, x.size, _one_of(cells, inches))
-    shown = shown[~cells.hidden_changes(name)[shown]]
+    shown = cells.marks(name, _one_of(cells, inches))
     size = float(np.clip(10 * (inches[0] * inches[1] / shown.size) ** 0.5, 1.0, LARGER))
     for marker, rows in ((".", shown[~barred[shown]]), ("x", shown[barred[shown]])):
         if rows.size:

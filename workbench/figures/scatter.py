@@ -16,9 +16,9 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, print_heights
 from .axis_scales import SPARE, RoomLocator, set_scale
-from .map_cells import unbent
+from .map_panel import DENSE
 from .sheet import SCREEN, Sheet
-from .trends import Values, mark_missing
+from .trends import UNBENT, Values, mark_missing
 
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel; of all
 NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
@@ -97,16 +97,15 @@ def _rows(stored: StoredStudy, names: Sequence[str], width: float, narrow: bool)
     ]
     count, at = stored.sizes[SAMPLE], stored.equations(held)
     dense = "; the darker, the more samples" if count > MANY else ""
-    known = "" if stored.is_refined else "; r: rank correlation"
+    known = DENSE if stored.is_refined else "; r: rank correlation"
     said = f"{count} sample{'s' * (count != 1)}{f', at {at}' if at else ''}{known}{dense}."
-    left_out = any(unbent(stored.select(held), name).any() for name in names)
-    return rows, said + " Bends of nearly straight rods are left out." * left_out
+    return rows, said + f" {UNBENT}" * any(bool(stored.select(held).unbent(name).any()) for name in names)
 
 
 def _draw_samples(stored: StoredStudy, ax: Axes, name: str, field: str, room: float) -> None:
     """One observable against one field, on a panel of so many inches."""
     x, y = (labels.in_label_unit(stored[key], stored[key].values) for key in (field, name))
-    straight, solved = unbent(stored, name), stored["solved"].values
+    straight, solved = stored.unbent(name).values, stored["solved"].values
     known = np.isfinite(y) & ~straight
     logarithmic = stored.is_logarithmic(field)
     set_scale(ax.xaxis, (float(x.min()), float(x.max())), logarithmic, SPARE)

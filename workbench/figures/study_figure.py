@@ -132,6 +132,8 @@ def _figure_of(
     lines += canvas.in_rows([partial(draw, line) for line in chosen.panels], across, law_height, filled=True)
     said = [f"Unrolled, the rods along {labels.axis_symbol(name)} {BEND_LESS}." for name in straight]
     said += [trends.ALONE] * any(line.alone for line in chosen.panels)
+    said += [trends.UNBENT] * any(bool(stored.unbent(str(line.observable.name)).any()) for line in chosen.panels)
+    said += trends.say_gaps(chosen.panels)
     said += [*map(law_panel.caption_of, chosen.in_words), *chosen.level]
     said += labels.definitions(stored.expressions, _formulas(chosen))
     said += canvas.say_left_out(chosen.left_out, "--show or --panel")
@@ -206,7 +208,7 @@ def _formulas(chosen: _Choice) -> list[str]:
         for line in lines
         if isinstance(line, LawLine) and isinstance(formula := line.row["rule"].get("formula"), str)
     ]
-    return [*(str(line.observable.name) for line in lines), *formulas]
+    return [*(name for line in lines for name in (str(line.observable.name), *line.states)), *formulas]
 
 
 def _first_of(chosen: _Choice, most: int, narrow: bool) -> _Choice:

@@ -1,5 +1,6 @@
 """An observable of a stored study against one of its axes."""
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -14,6 +15,7 @@ from .axis_scales import SPARE, RoomLocator, set_scale
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
 ALONE = "Each rod was let go by itself: neighbours may be at different minima of the energy, and no line joins them."
+UNBENT = "Bends of nearly straight rods are left out."
 WITHIN = "estimated error"  # in a legend
 WITHOUT = "solved, without a number"  # in a legend
 BRACKET, CHANGE = "changes in between", "change"  # of a whole number: in a legend, and the gid of what shows it
@@ -23,10 +25,10 @@ NEAR = 0.08  # inches between two values of an axis whose dots touch: a step in 
 Values = NDArray[np.float64]
 
 
-def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
+def trend(line: TrendLine, ax: Axes) -> Axes:
     """A number of each case against an axis; of a grid the lines at other values of the other axes are faint.
 
-    joined: whether a line joins the cases, and not another one that is drawn over them; more than `MOST_DOTS` have one.
+    More than `MOST_DOTS` cases are joined by a line in any case.
     """
     along = labels.in_label_unit(line.axis, line.along)
     lines, values = (labels.in_label_unit(line.observable, numbers) for numbers in (line.lines, line.values))
@@ -41,7 +43,7 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
         ax.annotate(name, (along[-1], other[-1]), (4, 0), textcoords="offset points", va="center", size=fonts.small(),
                     color=colours.SOFT)  # fmt: skip
     changes = np.empty(0, dtype=int)
-    if joined or along.size > MOST_DOTS:
+    if _is_joined(line):
         look = {"color": colours.DATA, "linewidth": 1.2, "zorder": 2}
         changes = draw_line(ax, along, values, line.is_count, line.broken, **look)
     for k in changes.tolist():
@@ -49,7 +51,7 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
                 markersize=5, zorder=1.9, label=BRACKET, gid=CHANGE)  # fmt: skip
     if along.size <= MOST_DOTS:
         ax.scatter(along, values, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
-    mark_missing(ax, along, np.isfinite(values), line.solved, named=True)
+    mark_missing(ax, along, np.isfinite(values) | line.unbent, line.solved, named=True)
     if line.fold is not None:
         ax.axvline(float(np.degrees(line.fold)), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     wide, high = fonts.inches(ax)
@@ -76,6 +78,23 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
         else:
             ax.fill_between(along, low, high, linewidth=0, step="mid", **look)
     return ax
+
+
+def _is_joined(line: TrendLine) -> bool:
+    return line.is_joined or line.along.size > MOST_DOTS
+
+
+def say_gaps(lines: Sequence[TrendLine]) -> list[str]:
+    """A sentence on where lines have gaps, but for those of whole numbers; none where they have none."""
+    states = dict.fromkeys(name.replace("_", " ") for line in lines for name in line.states)
+    begins = any(
+        _begins(values).size
+        for line in lines
+        if not line.is_count
+        for values in [*line.lines, *[line.values] * (_is_joined(line) and not line.alone)]
+    )
+    why = [*(f"{name} changes" for name in states), *["a number leaves 0"] * begins]
+    return [f"A line breaks where {' or '.join(why)}."] * bool(why)
 
 
 def say_errors(line: TrendLine) -> list[str]:

@@ -32,6 +32,7 @@ PARTS = ("curve", "fold", "special", "shape")  # of a dataset of branches; each 
 BACK = "turned_back"
 HELD_INDEX = "held_index"  # stored of held ends alone
 MOST_ASKED = 12  # observables of one figure
+BENDS, NEARLY_STRAIGHT = "bends", np.radians(10)  # bends of a rod whose beta varies by less than that are not shown
 WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
 IS_TRUE_OR_FALSE = re.compile(r"[<>]|==|!=|\b(and|or|not)\b")  # an expression
 
@@ -368,6 +369,20 @@ class StoredCases:
     def of_solved(self, name: str) -> xr.DataArray:
         """A number of each case, NaN where it is not solved: the number of a branch is stored as -1 there."""
         return self.ds[name].where(self.ds["solved"]) if name == "branch" else self.ds[name]
+
+    @cached_property
+    def swings(self) -> xr.DataArray:
+        """By how much beta varies along the rod of each case [rad]; NaN where no file tells."""
+        if "amplitude" in self.ds:
+            return self.ds["amplitude"].astype(float)
+        if "beta" not in self.ds:
+            return xr.full_like(self.ds["outcome"], np.nan, dtype=float)
+        beta = self.ds["beta"].load()
+        return beta.max("u", skipna=False) - beta.min("u", skipna=False)
+
+    def unbent(self, name: str) -> xr.DataArray:
+        """Whether a number of each case is that of the bends of a rod that is nearly straight; no picture shows it."""
+        return (self.swings < NEARLY_STRAIGHT) & (name == BENDS)
 
     def errors_of(self, name: str) -> xr.DataArray:
         """The estimated errors of a number of each case; 0 where none is known."""

@@ -266,10 +266,12 @@ class StoredStudy(StoredCases):
         """The fields of a `TrendLine` on the line of these places."""
         on = {axis: [place[axis] for place in places]}
         others = {name: i for name, i in places[0].items() if name != axis}
-        lines = self.of_solved(observable).transpose(..., axis).isel(on)
-        of_states = [self.ds[name] for name in ("branch", *self.expressions) if name in self.counts - {observable}]
-        states = [array.isel(others | on).values for array in of_states if set(array.dims) == set(places[0])]
-        broken = np.flatnonzero(np.any([np.diff(state) != 0 for state in states], axis=0)) + 1
+        unbent = self.unbent(observable)
+        lines = self.of_solved(observable).where(~unbent).transpose(..., axis).isel(on)
+        of_states = [name for name in ("branch", *self.expressions) if name in self.counts - {observable}]
+        of_states = [name for name in of_states if set(self.ds[name].dims) == set(places[0])]
+        steps = {name: np.diff(self.ds[name].isel(others | on).values) != 0 for name in of_states}
+        broken = np.flatnonzero(np.any([*steps.values()], axis=0)) + 1
         is_followed = "fold" in self and axis == self.attrs.get("followed") and np.isfinite(self.ds["fold"])
         return {
             "axis": self.ds[axis],
@@ -277,12 +279,14 @@ class StoredStudy(StoredCases):
             "along": self.ds[axis].values[on[axis]],
             "values": lines.isel(others).values.astype(float),
             "errors": self.errors_of(observable).transpose(..., axis).isel(on).isel(others).values,
+            "unbent": unbent.isel(others | on).values,
             "solved": self.ds["solved"].transpose(..., axis).isel(on).isel(others).values,
             "lines": lines.values.reshape(-1, len(places))[: 0 if lines.ndim == 1 or self.stand_alone else None],
             "held": self.equations(others),
             "names": self._names_of_lines(lines, axis),
             "elsewhere": f"other {', '.join(labels.axis_symbol(name) for name in others if name in lines.dims)}",
             "broken": np.arange(1, len(places)) if self.stand_alone else broken,
+            "states": () if self.stand_alone else tuple(name for name, step in steps.items() if step.any()),
             "fold": float(self.ds["fold"]) if is_followed else None,
             "alone": self.stand_alone,
             "is_count": observable in self.counts,

@@ -22,11 +22,12 @@ class TrendLine:
     """An observable on a line of cases along an axis, in its rising order; in the units of the file.
 
     axis, observable: the stored variables, with their units and names. along, values, solved: of the line, (n,); NaN
-    where there is no number. errors: of the values, estimated, (n,); 0 where none is known. lines: of a grid all its
-    lines, (lines, n); none of rods that stand alone. held: the values of the other axes, in words. names: of a few
-    lines, ``w = 0 N/m``; elsewhere: ``other F₃``, in which the lines differ. broken: the places before which a line has
-    a gap, as the branch or a comparison changes. fold: on a followed axis, where it is known. alone: whether each rod
-    was let go by itself. is_count, is_level: whether the observable is a whole number, and the same in all cases.
+    where there is no number. unbent: where the number is left out, as `StoredCases.unbent`, (n,). errors: of the
+    values, estimated, (n,); 0 where none is known. lines: of a grid all its lines, (lines, n); none of rods that stand
+    alone. held: the values of the other axes, in words. names: of a few lines, ``w = 0 N/m``; elsewhere: ``other F₃``,
+    in which the lines differ. broken: the places before which a line has a gap, as one of its states changes. states:
+    the branch and the comparisons that do so. fold: on a followed axis, where it is known. alone: whether each rod was
+    let go by itself. is_count, is_level: whether the observable is a whole number, and the same in all cases.
     is_logarithmic: whether the scale of the axis is.
     """
 
@@ -35,17 +36,24 @@ class TrendLine:
     along: Values
     values: Values
     errors: Values
+    unbent: NDArray[np.bool_]
     solved: NDArray[np.bool_]
     lines: Values
     held: str
     names: Sequence[str]
     elsewhere: str
     broken: NDArray[np.int64]
+    states: tuple[str, ...]
     fold: float | None
     alone: bool
     is_count: bool
     is_level: bool
     is_logarithmic: bool
+
+    @property
+    def is_joined(self) -> bool:
+        """Whether a line joins the cases in a picture, and not that of a law which is drawn over them."""
+        return True
 
     @property
     def within(self) -> tuple[Values, Values]:
@@ -73,6 +81,10 @@ class LawLine(TrendLine):
     compared: Mapping[str, Values]
     formulas: Mapping[str, str]
     others: Mapping[str, xr.DataArray]
+
+    @property
+    def is_joined(self) -> bool:
+        return not (self.row["kind"] == "equals" or (self.row["kind"] == "scales" and bool(self.row["numbers"])))
 
     @property
     def is_trivial(self) -> bool:

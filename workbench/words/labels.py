@@ -252,6 +252,8 @@ def _in_symbols(expressions: Mapping[str, str], formula: str) -> str:
 def _symbol(expressions: Mapping[str, str], name: str) -> str:
     if name in STIFFNESSES:
         return STIFFNESSES[name]
+    if name.endswith("_error"):
+        return f"error({_symbol(expressions, name.removesuffix('_error'))})"
     return name.replace("_", " ") if name in expressions else symbol_of(name)
 
 
