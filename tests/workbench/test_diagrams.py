@@ -27,6 +27,7 @@ from workbench.figures import (
     colours,
     drawn_numbers,
     drawn_rods,
+    figure_kinds,
     fonts,
     one_rod,
     phase_portrait,
@@ -459,3 +460,21 @@ def test_a_range_without_an_axis_in_the_picture_is_said(ds, tmp_path, capsys) ->
     said = capsys.readouterr().err
     assert "no vertical axis of bends" in said
     assert "height" not in said
+
+
+def test_pale_lines_and_formulas_of_a_grid_are_named_and_bars_are_of_what_varies_along_their_axis() -> None:
+    stored = StoredStudy(small.study_dataset("capstan"))
+    drawn = figure_kinds.figure(stored, "lines")
+    told = {text.get_text() for ax in drawn.axes for text in ax.texts}
+    assert {"w = 0 N/m", "w = 20 N/m"} <= told
+    for axis, varies in (("friction", True), ("weight", False)):
+        bars = figure_kinds.figure(stored, "bars", x=axis)
+        titles = {ax.get_title(loc="left") for ax in bars.axes}
+        assert ("gain" in titles) == varies
+        assert any(sentence.startswith("Here pull = ") for sentence in canvas.caption(bars))
+
+
+def test_helices_of_many_turns_are_drawn_among_lines() -> None:
+    drawn = figure_kinds.figure(StoredStudy(small.study_dataset("pipe_lubinski")), "lines")
+    assert any(ax.get_label() == unrolled.VIEWS for ax in drawn.axes)
+    assert not any(study_figure.BEND_LESS in sentence for sentence in canvas.caption(drawn))

@@ -55,6 +55,11 @@ def test_a_drawing_of_one_rod_of_a_study_says_which_beside_it_and_in_its_caption
         assert f"The rod: {case}, length" in canvas.caption(fig)[0]
 
 
+def test_a_drawing_says_that_no_real_rod_could_keep_its_shape() -> None:
+    said = canvas.caption(drawing.figure(StoredStudy(small.study_dataset("fig7_1_modulus"))))
+    assert "No real rod could keep this shape." in said
+
+
 def test_a_drawing_dashes_what_the_drum_hides_and_nothing_else(cables) -> None:
     stored = StoredStudy(cables)
     place = np.moveaxis(stored.along("position").isel(lay=1).values, -1, 0)  # x up, y towards the eye, z to the right

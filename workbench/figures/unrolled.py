@@ -343,7 +343,8 @@ class UnrolledPanel:
     @property
     def below(self) -> float:
         """Inches of a figure below its views."""
-        return BELOW + LEGEND * any(view.rings for view in self.views)
+        off = any("label" in look for view in self.views for _, _, look, _ in view.over)
+        return BELOW + LEGEND * (any(view.rings for view in self.views) + off)
 
     @property
     def is_straight(self) -> bool:

@@ -26,7 +26,7 @@ LEFT, ABOVE, BELOW = 24.0, 15.0, 24.0  # millimetres on paper around the views
 RIGHT = (12.0, 4.0)  # of them, on a wide and on a narrow sheet
 HIGH = (110.0, 70.0)  # of the cylinder with its rod at most, on a wide and on a narrow sheet
 TALL = (130.0, 70.0)  # of an end view
-CEDED = 2.0  # by which factor point forces and their words make the scale smaller at most
+CEDED = 2.0, 2.5  # by which factor point forces with their words, and without, make the scale smaller at most
 APART = (16.0, 8.0)  # between the two views, on a wide and on a narrow sheet
 THICK, HAIR = 0.8, 0.3  # of the rod: thinner, the drawing shows a part of it; thinner, it is a line
 SPARE = 4.0  # of cylinder beyond both ends of the rod
@@ -146,7 +146,7 @@ def views_of(
     ends = -reach, reach
     if forces is not None:
         ends = min(-R, float(y.min()) - rod.a), max(R, float(y.max()) + rod.a)
-    mm, narrow = 1e3 * LENGTHS[unit], sheet.narrow
+    mm, narrow, apart = 1e3 * LENGTHS[unit], sheet.narrow, APART[sheet.narrow]
     arrows: Sequence[Force] | None = None if forces is None else _arrows(rod, forces, s, near, y, ARROWS[narrow])
     room = sheet.width * MILLIMETRES - LEFT - RIGHT[narrow] - 2 * SPARE
     sides = min(-R, float(near.min()) - rod.a), max(R, float(near.max()) + rod.a)
@@ -158,7 +158,7 @@ def views_of(
 
     def beside(scale: float, arrows: Sequence[Force] | None) -> float:
         """Millimetres of the end view, with what is before it."""
-        return 0.0 if arrows is None else SPARE + APART[narrow] + float(np.ptp(box(scale, arrows)[:, 0]))
+        return 0.0 if arrows is None else SPARE + apart + float(np.ptp(box(scale, arrows)[:, 0]))
 
     def scales(arrows: Sequence[Force] | None) -> list[float]:
         """The standard scales with which all but the length fits, falling; at least the smallest."""
@@ -171,8 +171,8 @@ def views_of(
         return fit or SCALES[-1:]
 
     if arrows:
-        each = arrows, [replace(arrow, words="") for arrow in arrows]
-        arrows = next((fewer for fewer in each if scales(fewer)[0] >= scales([])[0] / CEDED), [])
+        each = zip((arrows, [replace(arrow, words="") for arrow in arrows]), CEDED, strict=True)
+        arrows = next((fewer for fewer, ceded in each if scales(fewer)[0] >= scales([])[0] / ceded), [])
     fits = scales(arrows)
     scale = next((scale for scale in fits if np.ptp(x) * mm * scale + beside(scale, arrows) <= room), SCALES[-1])
     if not (whole := 2 * rod.a * mm * scale >= THICK):
@@ -187,21 +187,7 @@ def views_of(
     x, y, near, beta = (values[:k] for values in (squeeze * x, y, near, beta))
     whole = k == s.size
     return Views(
-        x,
-        y,
-        near,
-        beta,
-        s,
-        end,
-        scale,
-        mm * scale,
-        whole,
-        low_side,
-        ends,
-        box(scale, arrows),
-        arrows,
-        squeeze,
-        APART[narrow],
+        x, y, near, beta, s, end, scale, mm * scale, whole, low_side, ends, box(scale, arrows), arrows, squeeze, apart
     )
 
 
