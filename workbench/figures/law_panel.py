@@ -130,7 +130,7 @@ def caption_of(law: LawLine) -> str:
 def _say_larger_error(law: LawLine) -> str:
     """A sentence where the estimated error of an observable is more than its law allows; else nothing."""
     rule = law.row["rule"]
-    if law.row["kind"] != "equals":
+    if law.row["kind"] != "equals" or law.is_trivial:
         return ""
     relative = rule.get("relative")
     errors = law.errors / (1.0 if relative is None else np.abs(law.compared["formula"]))
