@@ -475,6 +475,7 @@ def test_pale_lines_and_formulas_of_a_grid_are_named_and_bars_are_of_what_varies
 
 
 def test_helices_of_many_turns_are_drawn_among_lines() -> None:
-    drawn = figure_kinds.figure(StoredStudy(small.study_dataset("pipe_lubinski")), "lines")
+    column = Sheet(style="paper", width=89 / 25.4)
+    drawn = figure_kinds.figure(StoredStudy(small.study_dataset("pipe_lubinski")), "lines", column)
     assert any(ax.get_label() == unrolled.VIEWS for ax in drawn.axes)
     assert not any(study_figure.BEND_LESS in sentence for sentence in canvas.caption(drawn))
