@@ -318,7 +318,7 @@ def test_an_amount_whose_error_is_larger_than_itself_has_a_bound_alone() -> None
 
 def test_amounts_side_by_side_have_their_errors_all_or_none() -> None:
     assert amounts([3.742, 5.071, 0.2], [0.436, 0.134, 0.5]) == ["3.74 ± 0.44", "5.07 ± 0.14", "less than 0.7"]
-    assert amounts([37.42, 5.071], [0.436, 0.134]) == ["37", "5"]
+    assert amounts([37.42, 5.071], [0.436, 0.134]) == ["37", "5.1"]
 
 
 @pytest.mark.parametrize("text", [STUDY, PUSHED])
