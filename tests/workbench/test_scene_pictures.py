@@ -35,8 +35,8 @@ def is_animated_as_promised(path: Path) -> None:
 def test_the_readme_opens_with_both_pictures_which_exist_and_are_told_in_words() -> None:
     opening = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## ")[0]
     shown = re.findall(r'<img src="([^"]+)" width="410" alt="([^"]{40,})">', opening)
-    assert [Path(file).stem for file, _ in shown] == ["hero_sweep", "hero_page"]
-    animated, page = (ROOT / file for file, _ in shown)
+    assert [Path(file).stem for file, _ in shown] == ["hero_page", "hero_sweep"]
+    page, animated = (ROOT / file for file, _ in shown)
     is_animated_as_promised(animated)
     with Image.open(page) as picture:
         assert picture.size == (
