@@ -5,6 +5,7 @@ drawn is its `gid`. The sentences that belong to a figure are its caption, which
 picture has its data, its legend, and at most one line of words below its title.
 """
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from io import BytesIO
 from itertools import groupby
@@ -340,7 +341,7 @@ def _says_more(more: Artist, entry: Artist) -> bool:
     """Whether an entry with the mark of another one has its words and more, all between commas."""
     lines = [each for each in (more, entry) if isinstance(each, Line2D)]
     marks = {(line.get_marker(), line.get_color(), line.get_linestyle(), line.get_linewidth()) for line in lines}
-    words, least = (set(str(each.get_label()).split(", ")) for each in (more, entry))
+    words, least = (set(re.split("[,;] ", str(each.get_label()))) for each in (more, entry))
     return len(lines) == 2 and len(marks) == 1 and words > least
 
 

@@ -26,7 +26,8 @@ Values = NDArray[np.float64]
 
 
 def trend(line: TrendLine, ax: Axes) -> Axes:
-    """A number of each case against an axis; of a grid the lines at other values of the other axes are faint.
+    """A number of each case against an axis; of a grid the lines at other values of the other axes are pale, and have
+    their names at the right, all of them, or the lowest and the highest.
 
     More than `MOST_DOTS` cases are joined by a line in any case.
     """
@@ -34,11 +35,14 @@ def trend(line: TrendLine, ax: Axes) -> Axes:
     lines, values = (labels.in_label_unit(line.observable, numbers) for numbers in (line.lines, line.values))
     set_scale(ax.xaxis, (float(along.min()), float(along.max())), line.is_logarithmic, SPARE)
     others = [(name, row) for name, row in zip(line.names, lines, strict=False) if not np.array_equal(row, values)]
-    ends = np.sort([row[-1] for _, row in others])
-    named = others if others and (np.diff(ends) > APART * np.ptp(lines)).all() else []
+    named = sorted((pair for pair in others if np.isfinite(pair[1][-1])), key=lambda pair: pair[1][-1])
+    apart = np.diff([row[-1] for _, row in named]) > APART * (np.nanmax(lines) - np.nanmin(lines)) if named else []
+    if len(named) < len(others) or not np.all(apart):  # lines of a whole number lie on one another
+        named = [] if line.is_count else named[:: max(len(named) - 1, 1)]
     for k, other in enumerate(lines, 1):
-        look: dict[str, Any] = {"color": colours.FAINT, "linewidth": 1, "zorder": 1, "gid": f"{line.elsewhere}, {k}"}
-        draw_line(ax, along, other, line.is_count, label="" if named else line.elsewhere, **look)
+        look: dict[str, Any] = {"color": colours.OTHERS, "linewidth": 1, "zorder": 1, "gid": f"{line.elsewhere}, {k}"}
+        label = "" if named and len(named) == len(others) else line.elsewhere
+        draw_line(ax, along, other, line.is_count, label=label, **look)
     for name, other in named:
         ax.annotate(name, (along[-1], other[-1]), (4, 0), textcoords="offset points", va="center", size=fonts.small(),
                     color=colours.SOFT)  # fmt: skip

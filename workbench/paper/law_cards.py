@@ -181,10 +181,13 @@ def _of_radius(stored: StoredStudy) -> str:
 
 def _of_start_angle(stored: StoredStudy) -> str:
     force = _ends(stored["FZ"], "{:.3g}") + f" {stored.units['force']}"
-    twist = _ends(stored["M3"], "{:.3g}") + f" {_moment(stored)}"
+    M3 = stored["M3"].values
+    top = int(M3.argmax())
+    at = f" up to {labels.equation(stored['beta0'], float(stored['beta0'].values[top]))}" * (top < M3.size - 1)
+    twist = f"{at} (" + labels.minus_signs(f"{M3[0]:.3g} to {M3[top]:.3g} {_moment(stored)}") + ")"
     return (
         "F₁₀ and F₃₀ stay, but a larger β₀ turns F₃₀ away from the axis: the axial tension FZ = F₃₀ cos β₀ falls "
-        f"({force}), and the twisting moment M₃ rises ({twist}). Less tension and more twist make the bends shorter."
+        f"({force}), and the twisting moment M₃ rises{twist}. Less tension and more twist make the bends shorter."
     )
 
 

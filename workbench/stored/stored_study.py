@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, check_known, near
 from solver.problem.quantities import current
 from solver.problem.shown import Picture
+from studies.grammar.axes import SAMPLE
 from studies.laws.line_verdicts import MONOTONE
 
 from ..words import labels
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from ..geometry.centreline import Centreline
 
 WHICH = ("claim", "kind", "observable", "axis", "rule")  # by these a law is found: the numbers of two such are equal
-NAMED_LINES = 4  # lines of a grid whose values are told at their ends, at most
 NOTEBOOK = "workbench.notebook"  # loaded by name: it draws what this module reads
 
 
@@ -295,9 +295,9 @@ class StoredStudy(StoredCases):
         }
 
     def _names_of_lines(self, lines: xr.DataArray, axis: str) -> list[str]:
-        """The value of the other axis on each of a few lines, in words; none where there are several such axes."""
+        """The value of the other axis on each line, in words; none of samples, or of several such axes."""
         others = [str(dim) for dim in lines.dims if dim != axis]
-        if len(others) != 1 or self.sizes[others[0]] > NAMED_LINES:
+        if len(others) != 1 or others == [SAMPLE]:
             return []
         return [labels.equation(self.ds[others[0]], value) for value in self.ds[others[0]].values]
 

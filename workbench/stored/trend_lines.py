@@ -24,7 +24,7 @@ class TrendLine:
     axis, observable: the stored variables, with their units and names. along, values, solved: of the line, (n,); NaN
     where there is no number. unbent: where the number is left out, as `StoredCases.unbent`, (n,). errors: of the
     values, estimated, (n,); 0 where none is known. lines: of a grid all its lines, (lines, n); none of rods that stand
-    alone. held: the values of the other axes, in words. names: of a few lines, ``w = 0 N/m``; elsewhere: ``other F₃``,
+    alone. held: the values of the other axes, in words. names: of the lines, ``w = 0 N/m``; elsewhere: ``other F₃``,
     in which the lines differ. broken: the places before which a line has a gap, as one of its states changes. states:
     the branch and the comparisons that do so. fold: on a followed axis, where it is known. alone: whether each rod was
     let go by itself. is_count, is_level: whether the observable is a whole number, and the same in all cases.
