@@ -44,8 +44,8 @@ def test_the_first_page_begins_with_the_question_and_the_pictures_of_the_readme(
     assert top.startswith("# Rod workbench\n")
     assert "What shape does an elastic rod take on a cylinder" in top
     assert re.findall(r'<img class="hero" src="([^"]+)" alt="[^"]{40,}">', top) == [
-        "figures/hero_sweep.webp",
         "figures/hero_page.webp",
+        "figures/hero_sweep.webp",
     ]
     assert "python -m docs.build" not in index  # who reads the site has it
 

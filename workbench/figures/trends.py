@@ -27,7 +27,7 @@ Values = NDArray[np.float64]
 
 def trend(line: TrendLine, ax: Axes) -> Axes:
     """A number of each case against an axis; of a grid the lines at other values of the other axes are pale, and have
-    their names at the right, all of them, or the lowest and the highest.
+    their names at the right where these have room.
 
     More than `MOST_DOTS` cases are joined by a line in any case.
     """
@@ -37,8 +37,8 @@ def trend(line: TrendLine, ax: Axes) -> Axes:
     others = [(name, row) for name, row in zip(line.names, lines, strict=False) if not np.array_equal(row, values)]
     named = sorted((pair for pair in others if np.isfinite(pair[1][-1])), key=lambda pair: pair[1][-1])
     apart = np.diff([row[-1] for _, row in named]) > APART * (np.nanmax(lines) - np.nanmin(lines)) if named else []
-    if len(named) < len(others) or not np.all(apart):  # lines of a whole number lie on one another
-        named = [] if line.is_count else named[:: max(len(named) - 1, 1)]
+    if len(named) < len(others) or not np.all(apart):
+        named = []
     for k, other in enumerate(lines, 1):
         look: dict[str, Any] = {"color": colours.OTHERS, "linewidth": 1, "zorder": 1, "gid": f"{line.elsewhere}, {k}"}
         label = "" if named and len(named) == len(others) else line.elsewhere
