@@ -85,9 +85,9 @@ def states(
     else sinusoidal. The tail of a bend, where beta is less than half of its largest, is straight as far as it goes less
     than `BENT`, or, of a bend of less than once round, that share of its azimuth: beside a helix next to a straight
     piece, or at an end of the rod where it is longer than half a turn of the helix; beside a sinusoid where it is
-    longer than `SHORT` of it. Two helices that meet turn in
-    different senses. Bends from an end to a straight stretch are straight too where each is at most `DYING` of the one
-    before: there the rod turns from the azimuth of its end to where it lies.
+    longer than `SHORT` of it. Two helices that meet turn in different senses. Bends from an end to a straight stretch
+    are straight too where each is at most `DYING` of the one before: there the rod turns from the azimuth of its end to
+    where it lies.
 
     drawn: of `is_drawn`, (n,). What would be helical is straight there: tension draws the rod from one azimuth to
     another, and no load buckles it. turns: whether the rod may so turn at its start, and at its far end: where the

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from ..stored.stored_study import StoredStudy
     from .sheet import Sheet
 
+FEW = 3  # values of an axis, up to which a study of two axes is drawn as lines
+
 
 @dataclass(frozen=True)
 class FigureKind:
@@ -107,9 +109,6 @@ def kind_of(stored: "StoredStudy", kind: str | None = None, given: Sequence[str]
             takers = choices(other for other, row in OF_STUDIES.items() if name in row.options)
             raise InputError(f"--{name.replace('_', '-')} is no option of --kind {kind}; choose --kind from {takers}")
     return kind
-
-
-FEW = 3  # values of an axis, up to which a study of two axes is drawn as lines
 
 
 def _default_kind(stored: "StoredStudy") -> str:

@@ -137,7 +137,8 @@ def _say_larger_error(law: LawLine) -> str:
     most = float(np.max(errors, initial=0.0, where=np.isfinite(errors)))
     if most <= (rule["absolute"] if relative is None else relative):
         return ""
-    words = labels.value(most, law.observable, 2) if relative is None else f"{100 * most:.2g}{labels.NO_BREAK}%"
+    share = f"{labels.powers_of_ten(labels.number(100 * most, 2))}{labels.NO_BREAK}%"
+    words = share if relative is not None else labels.value(most, law.observable, 2)
     return f" Its estimated error, up to {words}, exceeds the tolerance."
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.nodes.pipe_states import BENT, SHORT, STRAIGHT
+from solver.nodes.pipe_states import BENT, STRAIGHT
 
 from ..stored import derived_arrays
 from ..words import labels
@@ -23,9 +23,8 @@ LEAST = 13  # rods: fewer have a curve each
 TALL = 2.6  # inches of a panel
 WORDS = {STRAIGHT: "straight but for slight bends"}  # of a state in a legend, where they are more than its name
 SLIGHT_BENDS = (
-    f"A bend goes one way around. It, or its tail, is slight where it goes less than {BENT:g} rad, or dies away from "
-    f"an end of the rod. A slight piece counts with the bend beside it if it is shorter than {SHORT:g} of that, than "
-    "half a turn of a helix at an end, or, between two bends, than the longest one."
+    f"A bend is slight that goes less than {BENT:g} rad around, or that dies away from an end of the rod. A short "
+    "slight piece beside a larger bend counts with that."
 )
 
 

@@ -34,8 +34,8 @@ def figure(stored: StoredStudy, show: Sequence[str] = (), sheet: Sheet = SCREEN)
 
     Beside samples the study may have axes: they are held where the laws or Table 1 put them. Each panel says the rank
     correlation (Spearman) of its two quantities, over the samples that have a number; not where a refinement chose the
-    cases. Bends of nearly straight rods are left out, as of a map. In print the caption names the
-    observables that have no room.
+    cases. Bends of nearly straight rods are left out, as of a map. In print the caption names the observables that have
+    no room.
 
     Parameters
     ----------

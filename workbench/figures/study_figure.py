@@ -106,9 +106,7 @@ def _figure_of(
         left -= sum(view.height + unrolled.LABELS for view in shown.values())
         left -= max((view.below for view in shown.values()), default=0.0)
         law_height = float(np.clip(left / max(count, 1), canvas.ROW, NARROW_LAW))
-
     titles = dict(zip(laws, law_panel.titles(laws, width / across - fonts.BESIDE, sheet.normal), strict=True))
-
     alike: dict[str, list[Axes]] = {}  # the panels of an observable, which have the same limits
 
     def draw(line: TrendLine, ax: Axes) -> canvas.Said:

@@ -41,7 +41,7 @@ def trend(line: TrendLine, ax: Axes) -> Axes:
         named = []
     for k, other in enumerate(lines, 1):
         look: dict[str, Any] = {"color": colours.OTHERS, "linewidth": 1, "zorder": 1, "gid": f"{line.elsewhere}, {k}"}
-        label = "" if named and len(named) == len(others) else line.elsewhere
+        label = "" if named else line.elsewhere
         draw_line(ax, along, other, line.is_count, label=label, **look)
     for name, other in named:
         ax.annotate(name, (along[-1], other[-1]), (4, 0), textcoords="offset points", va="center", size=fonts.small(),

@@ -39,7 +39,7 @@ STRIPS, LEAST_STRIP = (0.75, 0.42), 0.9  # height over a narrow and another widt
 LABELS = 0.35  # inches below and above views in a panel
 BESIDE, BELOW, LEGEND = 0.5, 0.15, 0.25  # inches of a figure beside views, below them, and of a legend of rings
 WORDS, ABOVE = 1.3 / 72, 0.06  # inches of a line of words per point of its size; from the words to their view
-BELOW = 0.236  # of the size of letters, by which those such as p hang below their line
+HANGING = 0.236  # of the size of letters, by which those such as p hang below their line
 SMALLEST = 0.1  # inches of the largest view
 WORTH = 1.7  # a scale so many times larger is worth another row of a list
 HAIRLINE, TINY = 1.1 / 72, 1e-12  # inches of the width of a line; no length
@@ -374,7 +374,7 @@ class UnrolledPanel:
         for view, (left, top, _, high) in zip(self.views, form.places, strict=False):
             if view.band is None:
                 top += words
-                under = 0.0 if "\n" in view.text else BELOW * small / 72  # an index hangs lower than other letters
+                under = 0.0 if "\n" in view.text else HANGING * small / 72  # an index hangs lower than other letters
                 ax.annotate(view.text, (left, top - ABOVE - under), va="baseline" if under else "bottom", **text)
             else:
                 ax.annotate(view.text, (left - ABOVE, top + high / 2), ha="right", va="center", **text)

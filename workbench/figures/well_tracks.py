@@ -153,7 +153,7 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
         inner = f"; a wave away from the ends it is at most {most} {unit}" * (name == PUSH)
         said.append(f"Largest {WORDS[name]}: {plain(value)} {unit} {pipe_profile.place_in_words(at, length)}{inner}.")
     if GAP in tracks:
-        said += [f"P{text[1:]}." for text in free_rod_words.forces_in_words(rod.case.at(), rod.case.units)]
+        said += map(labels.sentence, free_rod_words.forces_in_words(rod.case.at(), rod.case.units))
     limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_words.limits(case)]
     if limits:
         said.append(f"Compression of a long pipe without friction, {tracks[FORCE][0]}: {', '.join(limits)}.")

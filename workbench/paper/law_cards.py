@@ -182,7 +182,7 @@ def _of_radius(stored: StoredStudy) -> str:
 def _of_start_angle(stored: StoredStudy) -> str:
     force = _ends(stored["FZ"], "{:.3g}") + f" {stored.units['force']}"
     M3 = stored["M3"].values
-    top = int(M3.argmax())
+    top = int(np.nanargmax(M3))
     at = f" up to {labels.equation(stored['beta0'], float(stored['beta0'].values[top]))}" * (top < M3.size - 1)
     twist = f"{at} (" + labels.minus_signs(f"{M3[0]:.3g} to {M3[top]:.3g} {_moment(stored)}") + ")"
     return (

@@ -15,6 +15,7 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 
 WORKBENCH = "rod-workbench"
+LEAST_ERROR = 1e-16  # rad, that of a float near 1: a smaller bound says nothing
 
 
 def row(result: StudyResult) -> dict[str, Any]:
@@ -36,7 +37,7 @@ def row(result: StudyResult) -> dict[str, Any]:
 def least_bound(results: Sequence[StudyResult]) -> str:
     """The least power of ten above the estimated error [rad] of every solved case: ``10⁻⁷``."""
     errors = [np.nanmax(result.stored["error"].values, initial=0.0) for result in results]
-    return labels.power_of_ten(10.0 ** np.ceil(np.log10(max(errors))))
+    return labels.power_of_ten(10.0 ** np.ceil(np.log10(max(*errors, LEAST_ERROR))))
 
 
 def versions(datasets: Sequence[StoredStudy]) -> list[tuple[str, str]]:

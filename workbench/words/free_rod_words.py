@@ -91,7 +91,8 @@ def _place(sol: "Solution", s: float) -> str:
 def amount(value: float, error: float, digits: int = 4) -> str:
     """A number that is never negative as `_known_to`, or, where its error is larger than itself, ``less than 1.6``."""
     if value < error < math.inf:
-        return f"less than {plain(float(Context(prec=2, rounding=ROUND_UP).create_decimal(repr(value + error))))}"
+        bound = Context(prec=2, rounding=ROUND_UP).create_decimal(repr(float(value + error)))
+        return f"less than {plain(float(bound))}"
     return _known_to(value, error, value, digits)
 
 
