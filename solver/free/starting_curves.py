@@ -166,7 +166,9 @@ def curve_of(shape: FreeShape, name: str = "the seed") -> BeginningCurve:
 
 
 def curves_of(sol: ShapeArrays, name: str) -> list[BeginningCurve | None]:
-    """The curve of each rod of a solution; None where it is not solved."""
+    """The curve of each rod of a solution, whatever the others are; None where it is not solved."""
+    if sol.case.shape:  # a rod has as many places as it needs, not as the hardest of them does
+        return [curve for index in np.ndindex(sol.case.shape) for curve in curves_of(sol[index], name)]
     solved = sol.trajectory.solved.tolist()
     if sol.trajectory.free is not None:
         answers = zip(sol.trajectory.free.answers, solved, strict=True)

@@ -61,7 +61,8 @@ class Trajectory:
     def take(self, rows: NDArray[np.int64]) -> "Trajectory":
         """The answers to the problems `rows`, (b,) rising."""
         values = vars(self)
-        picked = {name: value[rows] for name, value in values.items() if isinstance(value, np.ndarray)}
+        arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray) and name != "loads"}
+        picked = {name: value[rows] for name, value in arrays.items()}
         picked |= {name: values[name].take(rows) for name in ("orbit", "shapes", "free") if values[name] is not None}
         if self.loads is not None:
             picked["loads"] = self.loads[:, rows]

@@ -115,6 +115,18 @@ def test_rods_whose_ends_off_the_wall_alone_differ_are_solved_in_one_call_as_eac
         np.testing.assert_allclose(together.position[i], bow(radius).position, rtol=0, atol=1e-9)
 
 
+def test_the_curve_from_which_a_rod_begins_does_not_depend_on_the_other_rods() -> None:
+    rod = Rod(EI=1228.0, GJ=945.0, a=0.0635, L=100.0, weight=0.242)
+    hole = Cylinder(R=0.10795, side="inside", inclination="90deg")
+
+    def beginning(force: Any) -> Any:
+        return curves_of(solve(Case(rod, hole, Ends(beta0=0.0, betaL=0.0, FZ=force))), "the shape")[0]
+
+    together, alone = beginning(np.array([-180.0, -400.0])), beginning(-180.0)  # -400 kN needs more places
+    assert together.u.size == alone.u.size
+    np.testing.assert_allclose(together.x, alone.x, rtol=0, atol=1e-12)
+
+
 def test_a_slack_belt_touches_the_drum_at_one_point() -> None:
     sol = belt(1.02)
     ((begin, end),) = sol.contacts
