@@ -114,3 +114,10 @@ def test_the_cable_has_the_ends_and_loads_of_its_helix() -> None:
     ends = Ends.helix(case.rod, case.cylinder, 1e4, np.radians(89.0))
     for name in ("beta0", "betaL", "FZ", "MZ", "M3"):
         assert getattr(case.given, name) == pytest.approx(getattr(ends, name), rel=1e-12)
+
+
+def test_a_state_gives_no_notice_on_its_numbers(recwarn) -> None:
+    base = {"EI": 1.0, "GJ": 1.0, "a": 0.05, "L": 4.0, "R": 1.0, "beta0": 4.4, "betaL": 4.4, "FZ": -0.1}
+    study = page_model.study_of({"units": {"length": "m", "force": "N"}, "base": base})
+    assert study.base.given["beta0"] == 4.4
+    assert not recwarn

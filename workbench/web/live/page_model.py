@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+from warnings import catch_warnings, simplefilter
 
 import numpy as np
 import tomli_w
@@ -25,6 +26,7 @@ from solver.observe.observables import observables_of, observe
 from solver.problem.case_fields import value_of, with_field
 from solver.problem.dimensionless import fields_held, reduce
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, check_known, choices
+from solver.problem.notices import UnitWarning
 from studies import Study
 from studies.grammar.axes import WORDS, Dimensions, Which
 from studies.language.loader import loads
@@ -76,7 +78,9 @@ def study_of(state: Any) -> Study:
     except (TypeError, ValueError, AttributeError):
         raise InputError("the state must hold numbers, strings and tables of them") from None
     try:
-        return loads(text, "page", "live")
+        with catch_warnings():  # a state is in rad, and in the units of the file, which was read with its notices
+            simplefilter("ignore", UnitWarning)
+            return loads(text, "page", "live")
     except InputError as error:
         raise InputError(re.sub(r"^page(, line \d+)?: ", "", str(error))) from None
 
