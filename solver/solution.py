@@ -1,6 +1,6 @@
 """The solution: a shape, and what can be asked of it."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
@@ -16,7 +16,7 @@ from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
 from .orbits import frames
 from .orbits.shape_arrays import ShapeArrays
-from .problem.case_fields import cases_at, place_along, with_field
+from .problem.case_fields import place_along, with_field
 from .problem.dimensionless import fields_held, flat, loads_of
 from .problem.errors import InputError, check_tolerance, show, whole_number
 from .problem.shown import NOTEBOOK, Picture, make, table_of
@@ -85,39 +85,6 @@ class Solution(ShapeArrays):
             Alternative(away, Solution(self.case, problem, shape, self.t, self.method, self.tol))
             for away, problem, shape in find(self.t)
         )
-
-    def __getitem__(self, index: Any) -> Self:
-        """The solutions of some cases of a grid, as NumPy indexes an array of its shape; nothing is solved again.
-
-        Raises
-        ------
-        InputError
-            For a single case, an index that NumPy refuses, and cases that are repeated or not in their order.
-        """
-        if not self.case.shape:
-            raise InputError("a solution of one case has no others to select; its arrays are attributes, as solution.z")
-        try:
-            order = np.ravel(np.arange(self.case.size).reshape(self.case.shape)[index])
-        except (IndexError, ValueError) as error:  # a slice whose step is 0 is no value
-            raise InputError(f"cases of shape {self.case.shape} have no index {show(index)}: {error}") from None
-        if order.size == 0 or (np.diff(order) <= 0).any():
-            raise InputError("an index of a solution must select cases in their order, each once, and at least one")
-        parts = self.problem.take(order), self.trajectory.take(order), self.t[order]
-        return type(self)(cases_at(self.case, index), *parts, self.method, self.tol)
-
-    def __len__(self) -> int:
-        """The number of solutions along the first axis of the cases. Raises `TypeError` for a single case."""
-        if not self.case.shape:
-            raise TypeError("a solution of one case has no length; its arrays are attributes, as solution.z")
-        return self.case.shape[0]
-
-    def __bool__(self) -> bool:
-        """True, also of a single case and of unsolved ones: see `solved`."""
-        return True
-
-    def __iter__(self) -> Iterator[Self]:
-        """The solutions along the first axis of the cases. Raises `TypeError` for a single case."""
-        return (self[i] for i in range(len(self)))
 
     def sel(self, **values: Any) -> Self:
         """The solutions of the cases at these values of fields that vary; nothing is solved again.

@@ -1,17 +1,18 @@
 """The shape of rods: beta and the unrolled curve at the stations; other quantities are computed when first read."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.case import Case
+from ..problem.case_fields import cases_at
 from ..problem.declared_fields import PAIRS
 from ..problem.dimensionless import EndsProblem, StartProblem, fields_held, flat, loads_of
-from ..problem.errors import T
+from ..problem.errors import InputError, T, show
 from ..problem.trajectory import Trajectory
 from . import forces, frames
 from .forces import contact_force, push_from, with_weight
@@ -38,6 +39,39 @@ class ShapeArrays:
     t: Array = field(repr=False)
     method: str
     tol: float
+
+    def __getitem__(self, index: Any) -> Self:
+        """The solutions of some cases of a grid, as NumPy indexes an array of its shape; nothing is solved again.
+
+        Raises
+        ------
+        InputError
+            For a single case, an index that NumPy refuses, and cases that are repeated or not in their order.
+        """
+        if not self.case.shape:
+            raise InputError("a solution of one case has no others to select; its arrays are attributes, as solution.z")
+        try:
+            order = np.ravel(np.arange(self.case.size).reshape(self.case.shape)[index])
+        except (IndexError, ValueError) as error:  # a slice whose step is 0 is no value
+            raise InputError(f"cases of shape {self.case.shape} have no index {show(index)}: {error}") from None
+        if order.size == 0 or (np.diff(order) <= 0).any():
+            raise InputError("an index of a solution must select cases in their order, each once, and at least one")
+        parts = self.problem.take(order), self.trajectory.take(order), self.t[order]
+        return type(self)(cases_at(self.case, index), *parts, self.method, self.tol)
+
+    def __len__(self) -> int:
+        """The number of solutions along the first axis of the cases. Raises `TypeError` for a single case."""
+        if not self.case.shape:
+            raise TypeError("a solution of one case has no length; its arrays are attributes, as solution.z")
+        return self.case.shape[0]
+
+    def __bool__(self) -> bool:
+        """True, also of a single case and of unsolved ones: see `solved`."""
+        return True
+
+    def __iter__(self) -> Iterator[Self]:
+        """The solutions along the first axis of the cases. Raises `TypeError` for a single case."""
+        return (self[i] for i in range(len(self)))
 
     def _along(self, values: Array) -> Array:
         return values.reshape(*self.case.shape, values.shape[-1])
