@@ -25,7 +25,8 @@ def test_there_are_examples() -> None:
 
 @pytest.mark.parametrize("example", WHOLE, ids=lambda text: text.splitlines()[0])
 def test_each_whole_example_is_a_study(example: str) -> None:
-    loads(example).case()
+    study = loads(example)
+    assert study.case().size == study.variation.size >= 1
 
 
 def test_the_pipe_in_the_borehole_buckles_as_lubinski_says_and_not_into_a_knot() -> None:

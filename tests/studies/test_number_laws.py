@@ -27,9 +27,12 @@ def test_a_power_law_has_the_exponent_and_interval_of_a_regression_of_logarithms
     assert factor == pytest.approx(np.exp(fit.intercept), rel=1e-12)
 
 
-def test_the_number_0_fits_every_unit_as_a_bound() -> None:
-    said = "kind = 'bounded'\nleast = '0'\nmost = '-(0)'\n"
-    loads(f"{HEAD}{AXES}[[laws]]\nclaim = 'a'\nobservable = 'height'\naxis = 'E'\nsource = 's'\n{said}")
+def test_the_number_0_alone_fits_every_unit_as_a_bound() -> None:
+    law = f"{HEAD}{AXES}[[laws]]\nclaim = 'a'\nobservable = 'height'\naxis = 'E'\nsource = 's'\nkind = 'bounded'\n"
+    (read,) = loads(f"{law}least = '0'\nmost = '-(0)'\n").laws
+    assert read.rule == {"least": "0", "most": "-(0)"}
+    with pytest.raises(InputError, match="is a plain number, but height is in cm"):
+        loads(f"{law}least = '0'\nmost = '-(1)'\n")
 
 
 def test_the_place_of_a_boundary_on_an_axis_of_angles_may_be_text() -> None:
