@@ -11,9 +11,7 @@ from types import ModuleType
 
 ROOT = Path(__file__).parents[1]
 ROW = """
-    taper: Any = field(
-        default=None, metadata=_row("ψ", "rad", "taper of the cylinder", _INCLINED, note="a trial")
-    )
+    taper: Any = _field("ψ", "rad", "taper of the cylinder", _INCLINED, note="a trial")
 """
 STUDY = """
 title = "Cones"

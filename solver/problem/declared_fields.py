@@ -101,60 +101,49 @@ def _row(*values: Any, **more: Any) -> dict[str, CaseField]:
     return {"row": CaseField(*values, **more)}
 
 
-def _words(long_name: str, **more: Any) -> dict[str, CaseField]:
-    return _row("", "text", long_name, **more)
+def _field(*values: Any, omitted: Any = None, **more: Any) -> Any:
+    """A field with its row, which a part may be made without. values, more: of the row. omitted: what it is then."""
+    return field(default=omitted, metadata=_row(*values, **more))
+
+
+def _word(long_name: str, omitted: str | None, **more: Any) -> Any:
+    """A field of words. omitted: the word of a part that is made without it, None for none."""
+    return _field("", "text", long_name, omitted=omitted, **more)
 
 
 _POSITIVE = _Range(0, "positive and finite")
 _NOT_NEGATIVE = _Range(0, "at least 0", closed=True)
+_BORE = _Range(0, "at least 0 and less than Rod.a", closed=True)
 _INCLINED = _Range(0, "from 0 to pi rad (180 deg)", closed=True, high=pi * (1 + 1e-15))
 _TILTED = _Range(-pi / 2, "from -pi/2 to pi/2 rad (90 deg)", closed=True, high=pi / 2)
 _SECTION = "give E and nu, or EI and GJ"
 _TWIST = "give one of F1, dgamma, M3"
-_FREE = "unilateral contact"
+_FREE, _ON_WALL, _FLAT = "unilateral contact", "default: on the wall", "default: 0"
+_HINGE = ", 0 for a hinge"
 _BETA = _row("β₀", "rad", "angle from the axis at the start", quantity="beta0")
 _ALPHA = _row("α₀", "rad", "azimuth of the start", default=0.0, quantity="alpha0")
 _GAMMA = _row("γ₀", "rad", "rotation of the section at the start", default=0.0, quantity="gamma0")
-_M3 = CaseField(
-    "M₃", MOMENT, "twisting moment", note="a start needs one of F1, dgamma, M3; default for ends: 0", estimated=True
-)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RodFields:
     """The fields of a rod."""
 
-    E: Any = field(default=None, metadata=_row("E", STRESS, "Young's modulus", _POSITIVE, note=_SECTION))
-    nu: Any = field(
-        default=None, metadata=_row("ν", NUMBER, "Poisson ratio", _Range(-1, "in (-1, 0.5]", high=0.5), note=_SECTION)
-    )
-    a: Any = field(default=None, metadata=_row("a", LENGTH, "radius of the rod", _POSITIVE))
-    L: Any = field(default=None, metadata=_row("L", LENGTH, "length of the rod", _POSITIVE))
-    stiffness: Literal["solid", "paper"] = field(
+    E: Any = _field("E", STRESS, "Young's modulus", _POSITIVE, note=_SECTION)
+    nu: Any = _field("ν", NUMBER, "Poisson ratio", _Range(-1, "in (-1, 0.5]", high=0.5), note=_SECTION)
+    a: Any = _field("a", LENGTH, "radius of the rod", _POSITIVE)
+    L: Any = _field("L", LENGTH, "length of the rod", _POSITIVE)
+    stiffness: Literal["solid", "paper"] = _word(
+        "bending stiffness of a solid section (solid), or a quarter of it as printed in the paper (paper)",
+        "solid",
         default="solid",
-        metadata=_words(
-            "bending stiffness of a solid section (solid), or a quarter of it as printed in the paper (paper)",
-            default="solid",
-            needs="E",
-        ),
+        needs="E",
     )
-    inner_radius: Any = field(
-        default=None,
-        metadata=_row(
-            "aᵢ",
-            LENGTH,
-            "inner radius of the rod",
-            _Range(0, "at least 0 and less than Rod.a", closed=True),
-            more=", for a tube",
-        ),
-    )
-    EI: Any = field(default=None, metadata=_row("EI", RIGIDITY, "bending stiffness, given", _POSITIVE, note=_SECTION))
-    GJ: Any = field(default=None, metadata=_row("GJ", RIGIDITY, "torsional stiffness, given", _POSITIVE, note=_SECTION))
-    weight: Any = field(
-        default=None,
-        metadata=_row(
-            "w", LINE_LOAD, "weight per length in the fluid", _NOT_NEGATIVE, varies=True, note="default: no weight"
-        ),
+    inner_radius: Any = _field("aᵢ", LENGTH, "inner radius of the rod", _BORE, more=", for a tube")
+    EI: Any = _field("EI", RIGIDITY, "bending stiffness, given", _POSITIVE, note=_SECTION)
+    GJ: Any = _field("GJ", RIGIDITY, "torsional stiffness, given", _POSITIVE, note=_SECTION)
+    weight: Any = _field(
+        "w", LINE_LOAD, "weight per length in the fluid", _NOT_NEGATIVE, varies=True, note="default: no weight"
     )
 
 
@@ -163,42 +152,32 @@ class CylinderFields:
     """The fields of a cylinder."""
 
     R: Any = field(metadata=_row("R", LENGTH, "radius of the cylinder", _POSITIVE))
-    side: Literal["outside", "inside"] = field(
-        default="outside", metadata=_words("side of the cylinder on which the rod lies", default="outside")
+    side: Literal["outside", "inside"] = _word(
+        "side of the cylinder on which the rod lies", "outside", default="outside"
     )
-    inclination: Any = field(
-        default=None,
-        metadata=_row(
-            "θ",
-            "rad",
-            "angle of the axis to the upward vertical",
-            _INCLINED,
-            default=0.0,
-            needs="weight",
-            more=" (0: s climbs straight up; 90deg: horizontal; 180deg: s goes straight down)",
-        ),
+    inclination: Any = _field(
+        "θ",
+        "rad",
+        "angle of the axis to the upward vertical",
+        _INCLINED,
+        default=0.0,
+        needs="weight",
+        more=" (0: s climbs straight up; 90deg: horizontal; 180deg: s goes straight down)",
     )
-    friction: Any = field(
-        default=None,
-        metadata=_row(
-            "μ", NUMBER, "coefficient of sliding friction", _NOT_NEGATIVE, varies=True, note="default: no friction"
-        ),
+    friction: Any = _field(
+        "μ", NUMBER, "coefficient of sliding friction", _NOT_NEGATIVE, varies=True, note="default: no friction"
     )
-    sliding: Literal["forward", "backward", "rotating", "axial-forward", "axial-backward"] | None = field(
-        default=None,
-        metadata=_words(
-            "how a rod with friction moves: along itself, turning in place, or along the axis",
-            default="forward",
-            needs="friction",
-        ),
+    sliding: Literal["forward", "backward", "rotating", "axial-forward", "axial-backward"] | None = _word(
+        "how a rod with friction moves: along itself, turning in place, or along the axis",
+        None,
+        default="forward",
+        needs="friction",
     )
-    contact: Literal["bilateral", "unilateral"] = field(
+    contact: Literal["bilateral", "unilateral"] = _word(
+        "whether the cylinder holds the rod on (bilateral) or only pushes (unilateral)",
+        "bilateral",
         default="bilateral",
-        metadata=_words(
-            "whether the cylinder holds the rod on (bilateral) or only pushes (unilateral)",
-            default="bilateral",
-            is_quiet=True,
-        ),
+        is_quiet=True,
     )
 
 
@@ -208,19 +187,15 @@ class StartFields:
 
     beta: Any = field(metadata=_BETA)
     dbeta: Any = field(metadata=_row("β₀′", "rad/length", "rate of the angle at the start", quantity="dbeta0"))
-    F1: Any = field(default=None, metadata=_row("F₁", FORCE, "internal force along the inward normal", note=_TWIST))
-    F2: Any = field(
-        default=0.0, metadata=_row("F₂", FORCE, "internal force in the surface, across the rod", default=0.0)
-    )
-    F3: Any = field(
-        default=0.0, metadata=_row("F₃", FORCE, "internal force along the tangent, tension positive", default=0.0)
-    )
-    dgamma: Any = field(
-        default=None, metadata=_row("γ₀′", "rad/length", "rate of rotation of the section at the start", note=_TWIST)
-    )
+    F1: Any = _field("F₁", FORCE, "internal force along the inward normal", note=_TWIST)
+    F2: Any = _field("F₂", FORCE, "internal force in the surface, across the rod", default=0.0, omitted=0.0)
+    F3: Any = _field("F₃", FORCE, "internal force along the tangent, tension positive", default=0.0, omitted=0.0)
+    dgamma: Any = _field("γ₀′", "rad/length", "rate of rotation of the section at the start", note=_TWIST)
     alpha: Any = field(default=0.0, metadata=_ALPHA)
     gamma: Any = field(default=0.0, metadata=_GAMMA)
-    M3: Any = field(default=None, metadata={"row": _M3})
+    M3: Any = _field(
+        "M₃", MOMENT, "twisting moment", note="a start needs one of F1, dgamma, M3; default for ends: 0", estimated=True
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -228,113 +203,40 @@ class EndsFields:
     """The fields of both ends."""
 
     beta0: Any = field(default=None, metadata=_BETA)
-    betaL: Any = field(
-        default=None, metadata=_row("β(L)", "rad", "angle from the axis at the far end", more=", full turns included")
-    )
-    FZ: Any = field(
-        default=None,
-        metadata=_row("FZ", FORCE, "axial force", more=", tension positive", default=0.0, estimated=True),
-    )
-    MZ: Any = field(default=None, metadata=_row("MZ", MOMENT, "axial moment", default=0.0, estimated=True))
-    M3: Any = field(default=None, metadata={"row": replace(_M3, default=0.0, note="")})
+    betaL: Any = _field("β(L)", "rad", "angle from the axis at the far end", more=", full turns included")
+    FZ: Any = _field("FZ", FORCE, "axial force", more=", tension positive", default=0.0, estimated=True)
+    MZ: Any = _field("MZ", MOMENT, "axial moment", default=0.0, estimated=True)
+    M3: Any = _field("M₃", MOMENT, "twisting moment", default=0.0, estimated=True)
     alpha: Any = field(default=0.0, metadata=_ALPHA)
     gamma: Any = field(default=0.0, metadata=_GAMMA)
-    height: Any = field(
-        default=None,
-        metadata=_row("z(L)", LENGTH, "axial position of the far end", in_place_of="FZ", more=", held", estimated=True),
+    height: Any = _field(
+        "z(L)", LENGTH, "axial position of the far end", in_place_of="FZ", more=", held", estimated=True
     )
-    azimuth: Any = field(
-        default=None,
-        metadata=_row("Δα", "rad", "azimuth from the start to the far end", in_place_of="MZ", more=", held"),
+    azimuth: Any = _field("Δα", "rad", "azimuth from the start to the far end", in_place_of="MZ", more=", held")
+    rotation: Any = _field(
+        "Δγ", "rad", "rotation of the section from the start to the far end", in_place_of="M3", more=", held"
     )
-    rotation: Any = field(
-        default=None,
-        metadata=_row(
-            "Δγ", "rad", "rotation of the section from the start to the far end", in_place_of="M3", more=", held"
-        ),
+    M10: Any = _field("M₁(0)", MOMENT, "bending moment at the start", in_place_of="beta0", more=_HINGE, estimated=True)
+    M1L: Any = _field(
+        "M₁(L)", MOMENT, "bending moment at the far end", in_place_of="betaL", more=_HINGE, estimated=True
     )
-    M10: Any = field(
-        default=None,
-        metadata=_row(
-            "M₁(0)", MOMENT, "bending moment at the start", in_place_of="beta0", more=", 0 for a hinge", estimated=True
-        ),
+    radius0: Any = _field(
+        "r(0)", LENGTH, "distance of the start from the axis", _NOT_NEGATIVE, needs=_FREE, note=_ON_WALL
     )
-    M1L: Any = field(
-        default=None,
-        metadata=_row(
-            "M₁(L)",
-            MOMENT,
-            "bending moment at the far end",
-            in_place_of="betaL",
-            more=", 0 for a hinge",
-            estimated=True,
-        ),
+    radiusL: Any = _field(
+        "r(L)", LENGTH, "distance of the far end from the axis", _NOT_NEGATIVE, needs=_FREE, note=_ON_WALL
     )
-    radius0: Any = field(
-        default=None,
-        metadata=_row(
-            "r(0)",
-            LENGTH,
-            "distance of the start from the axis",
-            _NOT_NEGATIVE,
-            needs=_FREE,
-            note="default: on the wall",
-        ),
+    tilt0: Any = _field(
+        "τ(0)", "rad", "tilt of the tangent out of the wall at the start, outwards", _TILTED, needs=_FREE, note=_FLAT
     )
-    radiusL: Any = field(
-        default=None,
-        metadata=_row(
-            "r(L)",
-            LENGTH,
-            "distance of the far end from the axis",
-            _NOT_NEGATIVE,
-            needs=_FREE,
-            note="default: on the wall",
-        ),
+    tiltL: Any = _field(
+        "τ(L)", "rad", "tilt of the tangent out of the wall at the far end, outwards", _TILTED, needs=_FREE, note=_FLAT
     )
-    tilt0: Any = field(
-        default=None,
-        metadata=_row(
-            "τ(0)",
-            "rad",
-            "tilt of the tangent out of the wall at the start, outwards",
-            _TILTED,
-            needs=_FREE,
-            note="default: 0",
-        ),
+    M20: Any = _field(
+        "M₂(0)", MOMENT, "bending moment across the wall at the start", needs=_FREE, in_place_of="tilt0", more=_HINGE
     )
-    tiltL: Any = field(
-        default=None,
-        metadata=_row(
-            "τ(L)",
-            "rad",
-            "tilt of the tangent out of the wall at the far end, outwards",
-            _TILTED,
-            needs=_FREE,
-            note="default: 0",
-        ),
-    )
-    M20: Any = field(
-        default=None,
-        metadata=_row(
-            "M₂(0)",
-            MOMENT,
-            "bending moment across the wall at the start",
-            needs=_FREE,
-            in_place_of="tilt0",
-            more=", 0 for a hinge",
-        ),
-    )
-    M2L: Any = field(
-        default=None,
-        metadata=_row(
-            "M₂(L)",
-            MOMENT,
-            "bending moment across the wall at the far end",
-            needs=_FREE,
-            in_place_of="tiltL",
-            more=", 0 for a hinge",
-        ),
+    M2L: Any = _field(
+        "M₂(L)", MOMENT, "bending moment across the wall at the far end", needs=_FREE, in_place_of="tiltL", more=_HINGE
     )
 
 
