@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..numerics.arrays import NEGLIGIBLE
 from .declared_fields import (
@@ -155,16 +156,14 @@ class Rod(RodFields):
 
     def _check_bore(self) -> None:
         """Raise `InputError` unless inner_radius < a."""
-        bore = self.inner_radius
-        full = np.greater_equal(bore, self.a)
-        rule = f"less than Rod.a = {self.a!s}"
-        refuse("Rod", "inner_radius", np.broadcast_to(bore, np.shape(full)), full, rule)
+        full = np.greater_equal(self.inner_radius, self.a)
+        refuse("Rod", "inner_radius", self.inner_radius, full, f"less than Rod.a = {self.a!s}")
 
     def _check_ratio(self) -> None:
         """Raise `InputError` unless EI/GJ is within `MOST_RATIO`."""
         off = np.abs(np.log(self.EI) - np.log(self.GJ)) > np.log(MOST_RATIO)
         rule = f"from {1 / MOST_RATIO:g} to {MOST_RATIO:g} times Rod.GJ = {self.GJ!s}"
-        refuse("Rod", "EI", np.broadcast_to(self.EI, np.shape(off)), off, rule)
+        refuse("Rod", "EI", self.EI, off, rule)
 
     def __repr__(self) -> str:
         return write_fields(self, skip=() if self.EI is None else ("stiffness",))
@@ -466,8 +465,7 @@ class Case:
         if self.cylinder.side == "inside":
             tight = np.less_equal(self.cylinder.R, self.rod.a)
             radius = self.rod.a if np.ndim(self.rod.a) else f"{self.rod.a:.10g}"
-            rule = f"larger than Rod.a = {radius} for a rod inside"
-            refuse("Cylinder", "R", np.broadcast_to(self.cylinder.R, np.shape(tight)), tight, rule)
+            refuse("Cylinder", "R", self.cylinder.R, tight, f"larger than Rod.a = {radius} for a rod inside")
         refuse_unmet({name: value for part in self._parts for name, value in vars(part).items() if name in FIELDS})
         if self.leaves:
             self._check_free_ends()
@@ -476,62 +474,44 @@ class Case:
 
     def _check_free_ends(self) -> None:
         """Refuse a start problem, an end within the wall, and ends that are farther apart than the rod is long."""
-        given, rho, shape = self.given, self.rho, self.shape
+        given, rho = self.given, self.rho
         if not isinstance(given, Ends):
             raise InputError(
                 "contact='unilateral' needs Ends, got Start: a rod is stable or not between ends; solve the start "
                 "problem with bilateral contact and let its solution go (Solution.let_go)"
             )
-        apart, words = (
-            self.outward,
-            f"at {'least' if self.outward > 0 else 'most'} R {'+' if self.outward > 0 else '-'} a",
-        )
-        radii = [rho if radius is None else radius for radius in (given.radius0, given.radiusL)]
-        for name, radius in zip(("radius0", "radiusL"), radii, strict=True):
-            value, wall = np.broadcast_arrays(radius, rho)
-            bad = apart * (value - wall) < -NEGLIGIBLE * wall  # of rho: an end that is nearer to the wall lies on it
-            refuse(
-                "Ends",
-                name,
-                value,
-                bad,
-                f"{words} = {np.atleast_1d(wall)[np.atleast_1d(bad)].min(initial=np.inf):.10g}",
-            )
-        if given.MZ is not None and np.any(idle := np.not_equal(given.MZ, 0) & np.equal(radii[1], 0)):
-            refuse(
-                "Ends",
-                "MZ",
-                np.broadcast_to(given.MZ, np.shape(idle)),
-                idle,
-                "0 at radiusL = 0, where M3 does its work",
-            )
-        turned = given.azimuth
-        across = (
-            np.abs(radii[1] - radii[0])
-            if turned is None
-            else np.sqrt(np.maximum(radii[0] ** 2 + radii[1] ** 2 - 2 * radii[0] * radii[1] * np.cos(turned), 0.0))
-        )
-        far = np.broadcast_to(np.hypot(across, 0.0 if given.height is None else given.height), shape)
-        length = np.broadcast_to(self.rod.L, shape)
+        words = "at least R + a" if self.outward > 0 else "at most R - a"
+        for name, radius in zip(OFF_WALL[:2], self.end_radii, strict=True):
+            bad = (
+                self.outward * (radius - rho) < -NEGLIGIBLE * rho
+            )  # of rho: an end that is nearer to the wall lies on it
+            refuse("Ends", name, radius, bad, f"{words} = {_least(rho, bad)}")
+        if given.MZ is not None:
+            idle = np.not_equal(given.MZ, 0) & np.equal(self.end_radii[1], 0)
+            refuse("Ends", "MZ", given.MZ, idle, "0 at radiusL = 0, where M3 does its work")
+        far, length = self._distance_of_ends(given), np.broadcast_to(self.rod.L, self.shape)
         if (bad := np.atleast_1d(far > length * (1 + NEGLIGIBLE))).any():
             i = np.flatnonzero(bad)[0]
             raise InputError(
                 f"the ends are {far.flat[i]:.10g} apart, and the rod is only L = {length.flat[i]:.10g} long"
             )
 
+    def _distance_of_ends(self, given: Ends) -> NDArray[np.float64]:
+        """How far apart the ends are at least, by what is held of them, (*cases) [length]."""
+        first, last = self.end_radii
+        across = np.abs(last - first)
+        if given.azimuth is not None:
+            across = np.sqrt(np.maximum(first**2 + last**2 - 2 * first * last * np.cos(given.azimuth), 0.0))
+        return np.broadcast_to(np.hypot(across, 0.0 if given.height is None else given.height), self.shape)
+
     def _check_reach(self) -> None:
         """Refuse a held end that no rod of this length reaches."""
-        given = self.given
-        if not isinstance(given, Ends):
-            return
-        L, rho = self.rod.L, self.rho
-        for name, bound, words in (("height", L, "L"), ("azimuth", L / rho, "L/rho")):
-            value = getattr(given, name)
+        L, given = self.rod.L, self.given
+        for name, bound, words in (("height", L, "L"), ("azimuth", L / self.rho, "L/rho")):
+            value = getattr(given, name, None)
             if value is not None:
-                value, most = np.broadcast_arrays(value, bound)
-                far = np.abs(value) > most
-                reach = np.min(np.atleast_1d(most)[np.atleast_1d(far)], initial=np.inf)
-                refuse("Ends", name, value, far, f"from -{words} to {words}, and {words} is {reach:.10g}")
+                far = np.abs(value) > bound
+                refuse("Ends", name, value, far, f"from -{words} to {words}, and {words} is {_least(bound, far)}")
 
     @property
     def _numeric(self) -> list[tuple[Any, str, Any]]:
@@ -626,6 +606,11 @@ class Case:
             FY = -given.F2 * c + given.F3 * s
             FZ = given.F2 * s + given.F3 * c
             return FZ, rho * FY + A * (m * c + s**3 / rho), A * m if given.M3 is None else given.M3
+
+
+def _least(bound: Any, bad: Any) -> str:
+    """The least of bounds, one or an array, where values are bad."""
+    return f"{np.min(np.broadcast_to(bound, np.shape(bad)), where=bad, initial=np.inf):.10g}"
 
 
 def check_case(function: str, value: object) -> Case:

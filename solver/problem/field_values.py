@@ -142,10 +142,10 @@ def _only_numbers(array: NDArray[Any]) -> bool:
 
 
 def refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) -> None:
-    """Raise `InputError` with the first bad value, if there is any."""
+    """Raise `InputError` with the first bad value, if there is any; the values broadcast to what is said of them."""
     bad = np.atleast_1d(bad)
     if bad.any():
-        worst = np.atleast_1d(np.asarray(value))[bad].flat[0]
+        worst = np.broadcast_to(value, bad.shape)[bad].flat[0]
         index = ", ".join(map(str, np.argwhere(bad)[0]))
         more = f"; the first of {bad.sum()} such values" if bad.sum() > 1 else ""
         where = f" (at index {index} of {bad.size} values{more})" if bad.size > 1 else ""
