@@ -63,18 +63,22 @@ def begin_of(array: Any) -> int:
 class Structure(ctypes.Structure):
     """A struct of the core, from numbers, arrays and other structs, which it keeps alive; a field without one is 0.
 
-    Raises `MissingCore` for a field that the struct does not have.
+    An array that the core only reads becomes one of the numbers that the C file declares, contiguous; one that it
+    writes is so already. Raises `MissingCore` for a field that the struct does not have.
     """
 
     _file: ClassVar[str]
     _names: ClassVar[list[str]]
-    _pointers: ClassVar[set[str]]
+    _pointers: ClassVar[dict[str, Any]]  # the numbers of the arrays that are only read; of other pointers None
 
     def __init__(self, *values: Any, **named: Any) -> None:
-        self.kept = values, named
+        self.kept = []
         for name, value in (*zip(self._names, values, strict=False), *named.items()):
             if name not in self._names:
                 raise MissingCore(f"the struct {type(self).__name__} in {self._file} has no field {name}; {HOW}")
+            if (kind := self._pointers.get(name)) is not None and value is not None:
+                value = np.ascontiguousarray(value, dtype=kind)
+            self.kept.append(value)
             setattr(self, name, _place_of(value) if name in self._pointers else value)
 
 
@@ -95,15 +99,19 @@ def structure(name: str, file: str, **kinds: Any) -> Any:
     if declared is None:
         raise MissingCore(f"{file} has no struct {name}; {HOW}")
     fields: list[tuple[str, Any]] = []
-    for kind, names in re.findall(r"(?:const )?(\w+) ([^;]+);", re.sub(r"/\*.*?\*/", "", declared[1], flags=re.DOTALL)):
+    pointers: dict[str, Any] = {}
+    text_of_fields = re.sub(r"/\*.*?\*/", "", declared[1], flags=re.DOTALL)
+    for is_read, kind, names in re.findall(r"(const )?(\w+) ([^;]+);", text_of_fields):
         for text in names.split(","):
             star, field, array = re.fullmatch(r"(\*?)(\w+)(\[.*\])?", text.strip()).groups()  # type: ignore[union-attr]
             known = kinds.get(field, AT if star else None if array else _KINDS.get(kind))
             if known is None:
                 raise MissingCore(f"the field {field} of struct {name} in {file} is not what Python knows; {HOW}")
             fields.append((field, known))
-    table = {"_fields_": fields, "_file": file, "_names": [field for field, _ in fields]}
-    return type(name, (Structure,), table | {"_pointers": {field for field, kind in fields if kind is AT}})
+            if known is AT:
+                pointers[field] = np.dtype(_KINDS[kind]) if is_read and kind in _KINDS else None
+    names_of = {"_names": [field for field, _ in fields], "_pointers": pointers}
+    return type(name, (Structure,), {"_fields_": fields, "_file": file, **names_of})
 
 
 @cache
@@ -165,7 +173,7 @@ class Cutting(NamedTuple):
 def points(n: int) -> Any:
     """The nodes of panels and the maps on them, for the core."""
     panel: Basis = basis(n)
-    return _Points(n, *map(np.ascontiguousarray, (panel.nodes, panel.analyse, panel.values, panel.differentiate)))
+    return _Points(n, panel.nodes, panel.analyse, panel.values, panel.differentiate)
 
 
 TIMES, ANGLE, CURVES = 0, 2, 5  # how many series of a panel are wanted: of none, of beta and |beta_t|, of all
@@ -194,7 +202,7 @@ def grid() -> tuple[Array, Array]:
     bent = s * s * (1 + 2 * size) / (1 + size)
     value = [c * up, c * ~up, bent, -s, -2 * c * s**3]
     rate = [-s * up, -s * ~up, np.where(up, -s, s) + 2 * np.sin(2 * angles), -c, -2 * s * s * (3 * c * c - s * s)]
-    return angles, np.ascontiguousarray(np.hstack([value, rate]))
+    return angles, np.hstack([value, rate])
 
 
 @cache

@@ -128,20 +128,11 @@ def _rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) 
     """The rods as the core reads them."""
     order = np.argsort(pieces.case, kind="stable")
     first = np.searchsorted(pieces.case[order], np.arange(pieces.problem.size + 1))
-    whole = {"first": first, "row": pieces.row[order]}
-    arrays = {name: getattr(pieces, name)[order] for name in ("low", "high", "time", "count", "begin")}
+    arrays = {name: getattr(pieces, name)[order] for name in ("row", "low", "high", "time", "count", "begin")}
     arrays |= {name: getattr(pieces.problem, name) for name in ("lam", "mu", "phi", "span", "beta0")}
-    arrays |= {"series": pieces.series, **given}
     _, kinds, coefficients = pieces.series.shape
-    return _Rods(
-        coefficients,
-        kinds,
-        int(pieces.monotone),
-        groups,
-        goal,
-        **{name: np.ascontiguousarray(array, dtype=np.int64) for name, array in whole.items()},
-        **{name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()},
-    )
+    numbers = coefficients, kinds, int(pieces.monotone), groups, goal
+    return _Rods(*numbers, first=first, series=pieces.series, **arrays, **given)
 
 
 _MOST_CROSSINGS = 64  # for which there is room at once; for more a second call. x10: only memory

@@ -113,13 +113,7 @@ def shape_rates(out: Array, shape: Mapping[str, Array]) -> None:
 
 def _shapes_of(out: Array, shape: Mapping[str, Array]) -> Any:
     _, B, F, n = out.shape
-    return _Shapes(
-        size=B,
-        stations=n,
-        F=F,
-        out=out,
-        **{name: np.ascontiguousarray(array, dtype=float) for name, array in shape.items()},
-    )
+    return _Shapes(size=B, stations=n, F=F, out=out, **shape)
 
 
 class RatedNumbers(NamedTuple):
@@ -175,7 +169,7 @@ def start_sensitivities(
     if motion is not None:
         varied, parts = motion
         of, kept = varied.arguments
-        rest |= {"of": of, "varied": kept, "parts": np.ascontiguousarray(parts.swapaxes(1, 2))}
+        rest |= {"of": of, "varied": kept, "parts": parts.swapaxes(1, 2)}
     ways = on_grid(), points(POINTS), cut(HOW, ANGLE)
 
     def derive() -> None:
@@ -188,8 +182,7 @@ def start_sensitivities(
     marks, half = np.full((B, 5, F, 4), np.nan), np.full((B, F), np.nan)
     seen, rates = np.zeros((3, B, 2, len(NUMBERS))), np.full((B, F, len(NUMBERS) + 1), np.nan)
     names, plain, middle = measured.names, measured.plain, measured.middle
-    arrays = {"sign": measured.sign, "error": measured.error, **measured.seen}
-    rest |= {name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()}
+    rest |= {"sign": measured.sign, "error": measured.error, **measured.seen}
     rest |= {"found": seen, "rates": rates, "marks": marks, "half_period": half}
     rest |= {"goal": measured.goal, "rates_goal": EXACT, "wanted": sum(1 << RATED[name] for name in names)}
     rest |= {"groups": _groups_of(plain), "partly": _groups_of(middle)}

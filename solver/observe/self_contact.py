@@ -101,8 +101,7 @@ def compare_strands(
         return verdict
     with np.errstate(divide="ignore"):  # a helix repeats after any length
         period = np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
-    numbers = {"period": period, "length": length, "a": a, "apart": _apart(a, tightest)}
-    arrays: dict[str, Any] = {name: np.ascontiguousarray(values, dtype=float) for name, values in numbers.items()}
+    arrays: dict[str, Any] = {"period": period, "length": length, "a": a, "apart": _apart(a, tightest)}
     if isinstance(orbit, MarchedOrbit):
         arrays |= {"steps": orbit.steps.as_room(), "orbits": orbit.found}
     else:

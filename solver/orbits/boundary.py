@@ -395,8 +395,8 @@ def _in_core(boundary: Boundary) -> tuple[Any, ...]:
     """One ends problem as the core reads it, and how its panels are cut."""
     problem, critical = boundary.problem, boundary.critical
     loads = (float(v[0]) for v in (problem.lam, problem.mu, problem.phi, problem.span))
-    pins, falls = np.ascontiguousarray(boundary.pins), np.ascontiguousarray(boundary.falls)
     ends = boundary.low, boundary.high, boundary.deepest
-    of = _Boundary(*loads, *ends, boundary.whole_turns, boundary.passed, pins.size, pins, falls)
+    levels = boundary.pins.size, boundary.pins, boundary.falls
+    of = _Boundary(*loads, *ends, boundary.whole_turns, boundary.passed, *levels)
     m, how = int(critical.count[0]), (points(NODES), cut(CUTTING, TIMES))
     return of, m, critical.beta[0, :m].copy(), critical.centre[0, :m].astype(np.int64), *how

@@ -273,7 +273,7 @@ def as_core_orbits(orbit: Orbit) -> Any:
         orbit.kind, orbit.first, orbit.count, orbit.problem.beta0, orbit.direction, orbit.duration, orbit.gain,
         orbit.since, panels.duration, panels.base, panels.origin, panels.series,
     )  # fmt: skip
-    return _ReadOrbits(panels.series.shape[2], panels.arc.size, *map(np.ascontiguousarray, arrays))
+    return _ReadOrbits(panels.series.shape[2], panels.arc.size, *arrays)
 
 
 def cover(
@@ -290,12 +290,9 @@ def cover(
     since, width : (P,)
         Of the panels: the time from the start, and how long they last.
     """
-    whole = (np.ascontiguousarray(a, dtype=np.int64) for a in (kind, first, count))
-    times = (np.ascontiguousarray(a, dtype=float) for a in (duration, since, width))
-    names = "kind", "first", "count", "duration", "since", "width"
     of, row = np.empty((2, 3 * since.size), dtype=np.int64)
     numbers, span = np.empty((5, 3 * since.size)), np.ascontiguousarray(span, dtype=float)
-    orbit = _ReadOrbits(**dict(zip(names, (*whole, *times), strict=True)))
+    orbit = _ReadOrbits(kind=kind, first=first, count=count, duration=duration, since=since, width=width)
     size = run("rod_cover", orbit, span.size, span, _Covered(of, row, *numbers), result=INT)
     return of[:size], row[:size], *numbers[:, :size]
 
@@ -317,9 +314,9 @@ def response(orbit: Orbit) -> tuple[Array, Array]:
 
 def _judge(orbit: Orbit, held: bool) -> tuple[Array, Array]:
     panels = orbit.panels
-    errors = map(np.ascontiguousarray, (panels.fastest, panels.error, panels.time_error, panels.time_rounding))
+    errors = _PanelErrors(panels.fastest, panels.error, panels.time_error, panels.time_rounding)
     first, second = np.empty((2, orbit.problem.size))
-    fine(run("rod_orbits_judge", *_problems(orbit), _PanelErrors(*errors), held, widest(), first, second))
+    fine(run("rod_orbits_judge", *_problems(orbit), errors, held, widest(), first, second))
     return first, second
 
 
