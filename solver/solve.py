@@ -256,19 +256,9 @@ def _blank_answer(case: Case, t: Array, why: Array) -> Answer:
     B, kind = case.size, StartProblem if case.kind == "start" else EndsProblem
     numbers = {field.name: np.full(B, PLAIN[field.name]) for field in fields(kind)}
     problem = kind(**numbers | {"span": span_of(case)})
-    nothing, each = np.full(t.shape, np.nan), np.full(B, np.nan)
-    answer = Trajectory(
-        nothing,
-        nothing,
-        nothing,
-        nothing,
-        partial(np.asarray, nothing),
-        np.zeros(B, dtype=bool),
-        why,
-        each + np.inf,
-        each + np.inf,
-        np.zeros(B, dtype=np.int64),
-    )
+    nothing, each, endless = np.full(t.shape, np.nan), np.full(B, np.nan), np.full(B, np.inf)
+    verdict = np.zeros(B, dtype=bool), why, endless, endless, np.zeros(B, dtype=np.int64)
+    answer = Trajectory(nothing, nothing, nothing, nothing, partial(np.asarray, nothing), *verdict)
     if case.kind == "ends":
         answer = replace(answer, begun=np.full(B, "", dtype=object))
     if case.leaves:

@@ -1,6 +1,6 @@
 """The shapes of B rods whose loads vary along them, on nodes from which everything along them is read."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -244,23 +244,20 @@ class VaryingShapes:
 
     def ends(self) -> tuple[Array, Array]:
         """States at the start and at the far end, (B, 8) each; NaN for a rod without a shape."""
-        none = np.full(SIZE, np.nan)
-        shapes = [self.of(i) for i in range(self.index.size)]
-        pairs = [(none, none) if shape is None else (shape.y[0], shape.y[-1]) for shape in shapes]
-        return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
+        pairs = self.numbers(lambda shape: shape.y[[0, -1]], (2, SIZE))
+        return pairs[:, 0], pairs[:, 1]
 
     def read(self, t: Array, alpha0: Array) -> dict[str, Any]:
         """What a trajectory holds at stations t (B, n), whose azimuth begins at alpha0 (B,); NaN without a shape."""
-        shapes = [self.of(i) for i in range(self.index.size)]
-        none = np.full((t.shape[1], SIZE), np.nan)
+        shapes, none = self.each(len(t)), np.full((t.shape[1], SIZE), np.nan)
         y = np.array([none if shape is None else shape.at(times) for shape, times in zip(shapes, t, strict=True)])
-        ratio = np.array([np.nan if shape is None else shape.rod.numbers[0] for shape in shapes])
+        ratio = self.numbers(lambda shape: shape.rod.numbers[0])
         return read_starts(np.moveaxis(y[:, :, READ], -1, 0), t, alpha0, ratio * self.ends()[1][:, MU])
 
-    def bend_counts(self) -> Array:
-        """The number of interior extrema of beta of each rod, (B,); NaN for a rod without a shape."""
-        shapes = [self.of(i) for i in range(self.index.size)]
-        return np.array([np.nan if shape is None else len(shape.bends(1.0)) for shape in shapes])
+    def numbers(self, read: Callable[[Shape], Any], size: tuple[int, ...] = ()) -> Array:
+        """What is read of each rod, (B, *size); NaN for a rod without a shape."""
+        shapes = self.each(self.index.size)
+        return np.array([np.full(size, np.nan) if shape is None else read(shape) for shape in shapes], dtype=float)
 
 
 @dataclass(frozen=True, eq=False)

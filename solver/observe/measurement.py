@@ -206,10 +206,7 @@ class MeasuredNumbers:
     def square_twist(self) -> Array:
         """The mean of the square of mu over the length, (B,)."""
         shapes: Any = self.sol.trajectory.shapes
-        if shapes is None:
-            return np.asarray(self.mu**2)
-        rods = (shapes.of(i) for i in range(self.sol.problem.size))
-        return np.array([np.nan if rod is None else rod.square_twist() for rod in rods])
+        return np.asarray(self.mu**2 if shapes is None else shapes.numbers(lambda shape: shape.square_twist()))
 
     @cached_property
     def gain(self) -> tuple[Any, Any]:

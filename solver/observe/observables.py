@@ -47,7 +47,7 @@ def bends(read: MeasuredNumbers) -> Any:
     """
     sol, orbit = read.sol, read.sol.trajectory.orbit
     if sol.trajectory.shapes is not None:
-        return np.where(_librates(read), sol.trajectory.shapes.bend_counts(), 0)
+        return np.where(_librates(read), sol.trajectory.shapes.numbers(lambda shape: len(shape.bends(1.0))), 0)
     if orbit is None:
         sign = np.sign(sol.trajectory.dbeta)
         count = np.count_nonzero(sign[:, 1:] * sign[:, :-1] < 0, axis=1)
@@ -177,8 +177,7 @@ def neutral_at(read: MeasuredNumbers) -> Pair:
     shapes = read.sol.trajectory.shapes
     if shapes is None:
         return read.loads[0] * np.nan, np.nan
-    rods = [shapes.of(i) for i in range(read.sol.problem.size)]
-    value = np.array([np.nan if rod is None else rod.neutral() for rod in rods]) * read.rho
+    value = shapes.numbers(lambda shape: shape.neutral()) * read.rho
     return value, np.abs(value) * read.error
 
 

@@ -81,6 +81,10 @@ class ShapeArrays:
         shaped = np.asarray(values).reshape(self.case.shape)
         return shaped if self.case.shape else shaped[()]
 
+    def _known(self, values: Any, otherwise: Any = None) -> Any:
+        """Values (B,) as `_each` gives them, or the same for each case where they are not known."""
+        return self._each(np.full(self.case.size, otherwise) if values is None else values)
+
     def _column(self, value: Any) -> Array:
         """A field of the case against the stations, (*cases, 1)."""
         return flat(value, self.case.shape).reshape(*self.case.shape, 1)
@@ -192,7 +196,7 @@ class ShapeArrays:
 
         Both are equal where the rod touches the wall at a point. None for other rods, and for an unsolved case.
         """
-        return self._each(np.full(self.case.size, None, dtype=object))
+        return self._known(None)
 
     @property
     def point_forces(self) -> Any:
@@ -202,7 +206,7 @@ class ShapeArrays:
         shear of the rod on the wall and that of the free arc differ by it. None for other rods, and for an unsolved
         case.
         """
-        return self._each(np.full(self.case.size, None, dtype=object))
+        return self._known(None)
 
     @_property
     def tangent(self) -> Array:
@@ -340,8 +344,7 @@ class ShapeArrays:
         None for a start problem, with weight or friction, for a solution from a seed, and where floats cannot hold the
         problem.
         """
-        selection = self.trajectory.selection
-        return self._each(np.full(self.case.size, None, dtype=object) if selection is None else selection)
+        return self._known(self.trajectory.selection)
 
     @property
     def held_index(self) -> Any:
@@ -349,7 +352,7 @@ class ShapeArrays:
 
         The observable ``index`` of held ends is the same: it is that under the ends as they are given.
         """
-        return self._index(self.trajectory.held_index)
+        return self._known(self.trajectory.held_index, np.nan)
 
     @property
     def dead_index(self) -> Any:
@@ -358,10 +361,7 @@ class ShapeArrays:
 
         NaN where it is not decided, under dead loads (the observable ``index``), and with weight or friction.
         """
-        return self._index(self.trajectory.dead_index)
-
-    def _index(self, index: Array | None) -> Any:
-        return self._each(np.full(self.case.size, np.nan) if index is None else index)
+        return self._known(self.trajectory.dead_index, np.nan)
 
     @property
     def begun(self) -> Any:
@@ -370,8 +370,7 @@ class ShapeArrays:
         Of a seed it says how far it is, and where another equilibrium is nearer (`alternatives`). Else None: see
         `selection`.
         """
-        begun = self.trajectory.begun
-        return self._each(np.full(self.case.size, None, dtype=object) if begun is None else begun)
+        return self._known(self.trajectory.begun)
 
     @cached_property
     def states(self) -> Any:

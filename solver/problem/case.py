@@ -469,7 +469,7 @@ class Case:
         refuse_unmet({name: value for part in self._parts for name, value in vars(part).items() if name in FIELDS})
         if self.leaves:
             self._check_free_ends()
-        else:
+        elif isinstance(self.given, Ends):
             self._check_reach()
 
     def _check_free_ends(self) -> None:
@@ -508,7 +508,7 @@ class Case:
         """Refuse a held end that no rod of this length reaches."""
         L, given = self.rod.L, self.given
         for name, bound, words in (("height", L, "L"), ("azimuth", L / self.rho, "L/rho")):
-            value = getattr(given, name, None)
+            value = getattr(given, name)
             if value is not None:
                 far = np.abs(value) > bound
                 refuse("Ends", name, value, far, f"from -{words} to {words}, and {words} is {_least(bound, far)}")

@@ -112,24 +112,14 @@ def blank(answer: Trajectory, fit: NDArray[np.bool_], why: str | NDArray[np.str_
     """The answer with NaN for each problem that is not `fit` (B,); `why`, one or (B,), becomes its outcome."""
     if fit.all():
         return answer
+    nothing = {"solved": False, "outcome": why, "error": np.inf, "condition": np.inf, "evaluations": 0}
+    nothing |= dict.fromkeys(("selection", "begun"), np.array(None))
     shown = fit[:, None]
-    beta, dbeta, alpha, z = (np.where(shown, v, np.nan) for v in (answer.beta, answer.dbeta, answer.alpha, answer.z))
-    return replace(
-        answer,
-        beta=beta,
-        dbeta=dbeta,
-        alpha=alpha,
-        z=z,
-        swirl=partial(where_shown, shown, answer.swirl),
-        solved=answer.solved & fit,
-        outcome=np.where(fit, answer.outcome, why),
-        error=np.where(fit, answer.error, np.inf),
-        condition=np.where(fit, answer.condition, np.inf),
-        evaluations=np.where(fit, answer.evaluations, 0),
-        selection=None if answer.selection is None else np.where(fit, answer.selection, np.array(None)),
-        held_index=None if answer.held_index is None else np.where(fit, answer.held_index, np.nan),
-        dead_index=None if answer.dead_index is None else np.where(fit, answer.dead_index, np.nan),
-        begun=None if answer.begun is None else np.where(fit, answer.begun, np.array(None)),
-        loads=None if answer.loads is None else np.where(shown, answer.loads, np.nan),
-        shapes=None if answer.shapes is None else answer.shapes.only(fit),
-    )
+
+    def without(name: str, values: Array) -> Array:
+        return np.where(fit if values.ndim == 1 else shown, values, nothing.get(name, np.nan))
+
+    known = {name: values for name, values in vars(answer).items() if isinstance(values, np.ndarray)}
+    arrays: dict[str, Any] = {name: without(name, values) for name, values in known.items()}
+    shapes = None if answer.shapes is None else answer.shapes.only(fit)
+    return replace(answer, **arrays, swirl=partial(where_shown, shown, answer.swirl), shapes=shapes)
