@@ -97,17 +97,16 @@ def open_at(shape: Shape) -> Array:
     return gaps_after(shape, march(shape.rod.numbers, shape.rod.scale, shape.y[:-1], np.diff(shape.t)).end)
 
 
-def with_known_loads(rod: LoadedRod, t: Array, y: Array) -> Array:
-    """The states with what is given at the ends, and loads that vary in a known way, without the rounding of a solved
-    system."""
-    y = y.copy()
+def with_known_loads(shape: Shape) -> Shape:
+    """A solved shape without the rounding of what is given at its ends, and of loads that vary in a known way."""
+    rod, y = shape.rod, shape.y.copy()
     y[0, BETA if "beta0" in rod.held else SPEED] = rod.near[0]
     y[-1, BETA if "betaL" in rod.held else SPEED] = rod.far[0]
     if not rod.has_friction and "rotation" not in rod.held:
         y[:, MU] = rod.far[3]
     if not rod.has_friction and "height" not in rod.held:
-        y[:, PHI] = rod.far[2] - rod.along * (rod.span - t)
-    return y
+        y[:, PHI] = rod.far[2] - rod.along * (rod.span - shape.t)
+    return replace(shape, y=y)
 
 
 def is_same(shape: Shape, other: Shape) -> bool:
@@ -171,23 +170,25 @@ def correct(
 
     enough: a correction, in the scales, that ends the steps; Newton's next one would be about its square.
     """
-    scale = shape.rod.scale
 
     def step(now: Shape) -> tuple[Shape, float] | str:
-        if np.abs(now.y / scale)[:, [BETA, SPEED, Q, PHI]].max() > WILD:  # whose march would take seconds
+        if np.abs(now.y / now.rod.scale)[:, [BETA, SPEED, Q, PHI]].max() > WILD:  # whose march would take seconds
             return DIVERGED
-        change = linear_at(now, anchor, stiffness, deep=DEEP).newton_change()
-        if change is None:
-            return DIVERGED
-        y = now.y + change * scale * share_within(change)
-        return replace(now, y=y, steps=now.steps + 1), size_of(change)
+        return newton_move(now, linear_at(now, anchor, stiffness, deep=DEEP).newton_change())
 
     corrected = newton(replace(shape, steps=0), step, replace(ENDING, rounds=most, goal=enough))
-    return (
-        None
-        if isinstance(corrected, str)
-        else replace(corrected, y=with_known_loads(corrected.rod, corrected.t, corrected.y))
-    )
+    return None if isinstance(corrected, str) else with_known_loads(corrected)
+
+
+def newton_move(shape: Shape, change: Array | None) -> tuple[Shape, float] | str:
+    """The shape after a step of Newton's method, and the size of the step.
+
+    change: (N, 8), in the scales, of which the share within reach is taken; None where the equations have no solution.
+    """
+    if change is None:
+        return DIVERGED
+    y = shape.y + change * shape.rod.scale * share_within(change)
+    return replace(shape, y=y, steps=shape.steps + 1), size_of(change)
 
 
 def deflate(

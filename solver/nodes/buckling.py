@@ -1,7 +1,6 @@
 """Where a straight rod buckles, and the stable shape into which it does."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -43,9 +42,7 @@ def rod_without_lean(rod: LoadedRod) -> LoadedRod:
     A rod on its wall leans by the angle m = -arctan(f), and a bend about that feels the weight cos(m) - f sin(m) =
     (1 + f^2)^(1/2) across. Ends that hold another azimuth than m are left out.
     """
-    numbers = rod.numbers.copy()
-    numbers[2] *= np.hypot(1.0, numbers[3])
-    return replace(rod, numbers=numbers).with_friction(0.0)
+    return rod.times(np.hypot(1.0, rod.numbers[3]), [2]).with_friction(0.0)
 
 
 def straight_index(rod: LoadedRod) -> int:

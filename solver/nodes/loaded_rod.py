@@ -112,67 +112,59 @@ class LoadedRod:
         sizes = [1 / (rows * self.scale).max(axis=1) for rows in (start, far)]
         return start * sizes[0][:, None], values[0] * sizes[0], far * sizes[1][:, None], values[1] * sizes[1]
 
+    def times(self, factor: float, numbers: Sequence[int], far: Sequence[int] = ()) -> "LoadedRod":
+        """The rod with some of its numbers, and of those of its far end, by their places, multiplied by a factor."""
+        new = self.numbers.copy(), self.far.copy()
+        for values, places in zip(new, (numbers, far), strict=True):
+            values[list(places)] *= factor
+        return replace(self, numbers=new[0], far=new[1])
+
     def share(self, part: float) -> "LoadedRod":
         """The rod under a share of its loads and held numbers; the weight across stays whole."""
-        numbers = self.numbers.copy()
-        numbers[1] *= part
         far = self.far * part
         if "height" in self.held:
             far[2] = self.span + (self.far[2] - self.span) * part
-        return replace(self, numbers=numbers, near=self.near * part, far=far)
+        return replace(self.times(part, [1]), near=self.near * part, far=far)
+
+    def _with_far(self, place: int, value: float, held: frozenset[str]) -> "LoadedRod":
+        """The rod with another number of its far end, and what its ends then hold."""
+        far = self.far.copy()
+        far[place] = value
+        return replace(self, held=held, far=far)
 
     def with_tension(self, phi: float) -> "LoadedRod":
         """The rod with another given phi at the far end, also in place of a held height."""
-        far = self.far.copy()
-        far[2] = phi
-        return replace(self, held=self.held - {"height"}, far=far)
+        return self._with_far(2, phi, self.held - {"height"})
 
-    def with_azimuth(self, gained: float | None) -> "LoadedRod":
-        """The rod with another azimuth held at the far end, over that of the start; None: with a free one, under the
-        moment with which a straight rod is an equilibrium."""
-        far = self.far.copy()
-        far[1] = self.twist_known if gained is None else gained
-        held = self.held - {"azimuth"} if gained is None else self.held | {"azimuth"}
-        return replace(self, held=held, far=far)
+    def with_azimuth(self, gained: float) -> "LoadedRod":
+        """The rod with another azimuth held at the far end, over that of the start."""
+        return self._with_far(1, gained, self.held | {"azimuth"})
+
+    def with_torque_through(self) -> "LoadedRod":
+        """The rod under the moment about the axis with which a straight rod is an equilibrium, its azimuth free."""
+        return self._with_far(1, self.twist_known, self.held - {"azimuth"})
 
     def with_friction(self, part: float) -> "LoadedRod":
         """The rod with a share of its friction."""
-        numbers = self.numbers.copy()
-        numbers[3] *= part
-        return replace(self, numbers=numbers)
+        return self.times(part, [3])
 
     def with_torque(self, part: float) -> "LoadedRod":
         """The rod with a share of its twisting moment, of what is given and of what friction adds as it turns."""
-        numbers, far = self.numbers.copy(), self.far.copy()
-        numbers[5] *= part
-        far[3] *= part
-        return replace(self, numbers=numbers, far=far)
-
-    def with_torque_through(self) -> "LoadedRod":
-        """The rod with a moment about the axis that is its torque, where that moment is given."""
-        far = self.far.copy()
-        far[1] = far[1] if "azimuth" in self.held else self.twist_known
-        return replace(self, far=far)
+        return self.times(part, [5], [3])
 
     def with_weight(self, part: float) -> "LoadedRod":
         """The rod with a share of its weight."""
-        numbers = self.numbers.copy()
-        numbers[1:3] *= part
-        return replace(self, numbers=numbers)
+        return self.times(part, [1, 2])
 
     @property
     def straight(self) -> bool:
         """Whether the straight rod along the axis is an equilibrium."""
-        rest = [self.near[0], self.far[0]]
-        if "azimuth" in self.held:
-            rest.append(self.far[1])
-        else:
-            rest.append(self.far[1] - self.twist_known)
+        turned = self.far[1] if "azimuth" in self.held else self.far[1] - self.twist_known
         if "height" in self.held and self.far[2] != self.span:
             return False
         level = self.across * np.sin(self.near[1])
         leans = self.rotates and self.across != 0  # without weight across no push turns the straight rod aside
-        return not any(rest) and abs(level) <= 1e-15 * abs(self.across) and not leans
+        return not any((self.near[0], self.far[0], turned)) and abs(level) <= 1e-15 * abs(self.across) and not leans
 
     @property
     def rotates(self) -> bool:

@@ -137,15 +137,13 @@ class NodeCurve:
             share = share_within(change)
             at = now.p - share * whole[-1] * self.size
             ahead = self.shape(guess, shape.y - share * change * self.scale, at)
-            return CurvePoint(replace(ahead, steps=shape.steps + 1), float(at), by_x), max(
-                size_of(change), abs(whole[-1])
-            )
+            size = max(size_of(change), abs(whole[-1]))
+            return CurvePoint(replace(ahead, steps=shape.steps + 1), float(at), by_x), size
 
         corrected = newton(CurvePoint(self.shape(guess, guess.y, p), p, across), step, replace(ENDING, rounds=most))
         if isinstance(corrected, str):
             return None
-        solved, tangent = corrected.shape, unit(corrected.tangent)
-        solved = replace(solved, y=with_known_loads(solved.rod, solved.t, solved.y))
+        solved, tangent = with_known_loads(corrected.shape), unit(corrected.tangent)
         return CurvePoint(solved, corrected.p, tangent if inner(tangent, across) >= 0 else -tangent)
 
     def begin(self, shape: Shape, p: float) -> CurvePoint | None:

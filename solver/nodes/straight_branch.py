@@ -45,7 +45,7 @@ def find_shape(rod: LoadedRod) -> GrowthWay:
     if from_straight.shape is not None or from_straight.barred:
         return from_straight
     lying = rod.with_friction(0.0)  # what turns in place leans
-    bent_by_torque = not lying.straight and lying.with_torque_through().straight
+    bent_by_torque = not (lying.straight or "azimuth" in lying.held) and lying.with_torque_through().straight
     others = from_taut_rod, partial(from_neighbours, way=from_straight), from_tension, from_no_weight
     why = from_straight.why
     for way_by in () if bent_by_torque and rod.has_friction else others:
@@ -81,7 +81,7 @@ def from_taut_rod(rod: LoadedRod) -> GrowthWay:
     A held azimuth is free until then, and moves at last to where it is held: as the rod is stable without that, it is
     stable with it.
     """
-    free = rod.with_azimuth(None) if "azimuth" in rod.held else rod
+    free = rod.with_torque_through() if "azimuth" in rod.held else rod
     taut = taut_shape(free.with_weight(0.0)) if rod.along or rod.across else None
     way = grow(free.with_weight, taut) if isinstance(taut, Shape) else GrowthWay(None)
     if way.shape is None or free is rod:

@@ -7,8 +7,8 @@ import numpy as np
 
 from ..core.weight_friction import HALF, SIZE
 from ..numerics.arrays import ROUNDED, Array
-from ..numerics.roots import DIVERGED, newton, solve
-from .banded_newton import ENDING, Linear, linear_at, share_within, size_of
+from ..numerics.roots import newton, solve
+from .banded_newton import ENDING, Linear, linear_at, newton_move
 from .loaded_rod import ALPHA, BETA, SPEED, Q
 from .varying_shapes import Shape
 
@@ -107,11 +107,7 @@ def hold(shape: Shape, mode: Array) -> Held | None:
         moved = float((push * ((now.y - shape.y) / scale)[:, ANGLES]).sum())
         linear = linear_at(now)
         solved = modal_change(linear, push, linear.open[:, None], np.array([moved]))
-        if solved is None:
-            return DIVERGED
-        change = solved[0][..., 0]
-        y = now.y - change * scale * share_within(change)
-        return replace(now, y=y, steps=now.steps + 1), size_of(change)
+        return newton_move(now, None if solved is None else -solved[0][..., 0])
 
     held = newton(shape, step, ENDING)
     if isinstance(held, str):
