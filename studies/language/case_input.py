@@ -20,7 +20,7 @@ from solver.problem.notices import UnitWarning, warn
 from solver.problem.quantities import unit_of
 from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
 
-from ..grammar.axes import DEFAULT_UNITS, WORDS, Which, case_from, number_with_unit, quantity_of
+from ..grammar.axes import DEFAULT_UNITS, WORDS, Which, case_from, in_words, number_with_unit, quantity_of
 from .loader import load
 from .printed import as_reading
 from .study import Study
@@ -108,17 +108,7 @@ def read_case(
     changed = f", except {choices(values)}" if values else ""
     if file is not None:
         check_alone(file, units, table1)
-        study = _study(file).under(reading)
-        changes = force_kept(study.base.given, values) | dict(values)
-        return CaseInput(
-            with_values(study.case_of({}), in_units(changes, study.unit_system), study.unit_system),
-            study.unit_system,
-            f"{file.name}{changed}",
-            study=study,
-            which=study.equilibrium,
-            stand_ins=stand_ins_of(changes if values else study.base.given, study.unit_system),
-            title=f"{study.title}{changed}",
-        )
+        return case_of_study(_study(file).under(reading), values, file.name)
     if is_table1(values, units, table1 or reading is not None):
         read = as_reading(reading)
         return CaseInput(
@@ -136,6 +126,30 @@ def read_case(
         which = helix_of(case)
     stand_ins = stand_ins_of(values, units)
     return CaseInput(case, units, OPTIONS, assumed, which=which, wound=wound, stand_ins=stand_ins)
+
+
+def case_of_study(
+    study: Study, values: Mapping[str, Any], named: str, place: Mapping[str, float] | None = None
+) -> CaseInput:
+    """The case of a study at a place on its axes; of one that follows an equilibrium its base case.
+
+    values: fields that replace those of the case. named: what it comes from, in words. Raises `InputError`.
+    """
+    place, units, followed = dict(place or {}), study.unit_system, study.variation.from_base
+    case = study.case() if followed else study.case_of(place)
+    given = {**study.base.given, **place}
+    changes = values if followed else force_kept(given, values) | dict(values)
+    changed = f", except {choices(values)}" if values else ""
+    return CaseInput(
+        with_values(case, in_units(changes, units), units),
+        units,
+        f"{named}{changed}",
+        study=study,
+        which=study.equilibrium,
+        place=place,
+        stand_ins=stand_ins_of(changes if values else given, units),
+        title=", ".join([study.title, *(in_words(field, value) for field, value in place.items())]) + changed,
+    )
 
 
 def is_table1(values: Mapping[str, Any], units: Mapping[str, str], asked: bool) -> bool:

@@ -10,6 +10,7 @@ from solver.problem.errors import choices, near
 
 from ..grammar.axes import Misplaced, Values, no_key
 from ..grammar.formulas import parse
+from ..laws.case_rows import Grid
 from ..laws.judgement import Law, by_line
 from .refinement import OUTCOME, RefinedLines, Refinement
 from .study import Study
@@ -107,8 +108,8 @@ def _lines(study: Study, law: Law, column: int) -> RefinedLines:
     counts = [law.observable] if text is not None and parse(text).whole else []
 
     def judge(values: Values) -> NDArray[np.str_]:
-        axes = {"line": np.arange(len(values)), law.axis: along}
-        return by_line(law.model_copy(update={"at": {}}), values, axes, None, counts)
+        grid = Grid({"line": np.arange(len(values)), law.axis: along}, counts=counts)
+        return by_line(law.model_copy(update={"at": {}}), values, grid)
 
     return RefinedLines(list(study.axes).index(law.axis), column, judge)
 

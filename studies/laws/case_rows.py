@@ -1,7 +1,7 @@
 """The lines of cases along an axis on which a law is judged: those of a grid, or as a refinement leaves them."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -40,17 +40,30 @@ class CaseRow:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """What laws are judged on: the axes of a grid of cases, and numbers of each case.
+    """What a law is judged on besides its observables: the axes of a grid of cases, and numbers of each case.
 
-    axes: the values of each. crossing: over the grid, but one fewer along the axis of the law. counts: the expressions
-    that are whole numbers. known: the numbers that the formulas of the law use, by name. rows: the lines of cases that
-    are no grid, whose numbers are (cases,); axes then has those of the study.
+    Parameters
+    ----------
+    axes : mapping of arrays
+        The values of each axis; observables and numbers have a dimension for each, in this order.
+    crossing : array of bool, optional
+        Over the grid, but one fewer along the axis of the law: the steps, in the rising order of that axis, to an
+        equilibrium of another branch. Such a step is not evidence.
+    counts : collection of str
+        The expressions among the observables that are whole numbers.
+    known : mapping of arrays
+        The numbers that the formulas of the law use, by name; each broadcasts to the grid. "solved": whether each case
+        is solved; where one without a value is, the observable is not defined.
+    rows : sequence of CaseRow, optional
+        The lines of cases that are no grid, as a refinement leaves them; all numbers are then (cases,), and axes those
+        of the study. A line on which cases of the coarse grid are not stored counts where its other cases go against
+        the law.
     """
 
     axes: Mapping[str, ArrayLike]
-    crossing: ArrayLike | None
-    counts: Collection[str]
-    known: Mapping[str, ArrayLike]
+    crossing: ArrayLike | None = None
+    counts: Collection[str] = ()
+    known: Mapping[str, ArrayLike] = field(default_factory=dict)
     rows: Sequence[CaseRow] | None = None
 
     @property

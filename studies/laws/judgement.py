@@ -9,7 +9,7 @@ numbers support only part of the sentence:
 *depends on the observable*: one of its `alternatives` fails.
 """
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -224,35 +224,15 @@ class Law(BaseModel):
 TOLD = ("claim", "kind", "axis", "direction", "says", "does", "rule", "source", "fixed", "fixed_note")
 
 
-def decide(
-    law: Law,
-    observed: Mapping[str, ArrayLike],
-    axes: Mapping[str, ArrayLike],
-    crossing: ArrayLike | None = None,
-    counts: Collection[str] = (),
-    known: Mapping[str, ArrayLike] | None = None,
-    rows: Sequence[CaseRow] | None = None,
-) -> LawVerdict:
+def decide(law: Law, observed: Mapping[str, ArrayLike], grid: Grid) -> LawVerdict:
     """The verdict on a law, and on each further observable that it names, as plain data.
 
     Parameters
     ----------
     law : Law
     observed : mapping of arrays
-        Each observable over the grid, one dimension an axis in the order of `axes`, NaN where unsolved.
-    axes : mapping of arrays
-        The values of each axis.
-    crossing : array of bool, optional
-        Over the grid, but one fewer along the axis of the law: the steps, in the rising order of that axis, to an
-        equilibrium of another branch. Such a step is not evidence.
-    counts : collection of str
-        The expressions among the observables that are whole numbers.
-    known : mapping of arrays, optional
-        The numbers that the formulas of the law use, by name; each broadcasts to the grid. "solved": whether each case
-        is solved; where one without a value is, the observable is not defined.
-    rows : sequence of CaseRow, optional
-        The lines of cases that are no grid, as a refinement leaves them; observed and known are then (cases,). A line
-        on which cases of the coarse grid are not stored counts where its other cases go against the law.
+        Each observable over the grid, NaN where unsolved.
+    grid : Grid
 
     Returns
     -------
@@ -274,7 +254,6 @@ def decide(
     missing = [name for name in law.observables if name not in observed]
     if missing:
         raise InputError(f"the law {law.claim} needs the observable {missing[0]!r}; available: {choices(observed)}")
-    grid = Grid(axes, crossing, counts, known or {}, rows)
     verdicts = [
         {"observable": name, **_over_lines(law, name, np.asarray(observed[name]), grid)} for name in law.observables
     ]
@@ -287,25 +266,15 @@ def decide(
     return LawVerdict(row)
 
 
-def by_line(
-    law: Law,
-    observed: ArrayLike,
-    axes: Mapping[str, ArrayLike],
-    crossing: ArrayLike | None = None,
-    counts: Collection[str] = (),
-    known: Mapping[str, ArrayLike] | None = None,
-) -> NDArray[np.str_]:
+def by_line(law: Law, observed: ArrayLike, grid: Grid) -> NDArray[np.str_]:
     """The verdict on the observable of a law on each line of the grid along its axis.
 
     Parameters
     ----------
     law : Law
     observed : array
-        The observable over the grid, one dimension an axis in the order of `axes`, NaN where unsolved.
-    axes : mapping of arrays
-        The values of each axis.
-    crossing, counts, known
-        As of `decide`.
+        The observable over the grid, NaN where unsolved.
+    grid : Grid
 
     Returns
     -------
@@ -317,10 +286,9 @@ def by_line(
     InputError
         If the axis is missing.
     """
-    grid = Grid(axes, crossing, counts, known or {})
     judge = _judge(law, law.observable, np.asarray(observed), grid)
     words = [judge(row).verdict for row in grid.rows_along(law.axis)]
-    return np.array(words).reshape([np.size(values) for dim, values in axes.items() if dim != law.axis])
+    return np.array(words).reshape([np.size(values) for dim, values in grid.axes.items() if dim != law.axis])
 
 
 def refusal(law: Law, reason: str) -> LawVerdict:
@@ -344,7 +312,7 @@ def _row(law: Law, rows: list[dict[str, Any]]) -> dict[str, Any]:
 def targets(law: Law, shape: tuple[int, ...], known: Mapping[str, ArrayLike]) -> dict[str, tuple[Any, Any]]:
     """The numbers with which a law compares its observable: key -> values over the grid, and why any has none.
 
-    known: as in `decide`. Raises `InputError` for a name that is missing.
+    known: as of `Grid`. Raises `InputError` for a name that is missing.
     """
     numbers = {key: (np.full(shape, float(value)), np.full(shape, "")) for key, value in law.numbers.items()}
     for key, formula in law.formulas.items():

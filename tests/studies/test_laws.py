@@ -6,6 +6,7 @@ from scipy.stats import kendalltau
 
 from solver import InputError
 from studies import load
+from studies.laws.case_rows import Grid
 from studies.laws.judgement import Law, by_line, decide
 from studies.laws.law_verdict import LawVerdict
 from studies.laws.law_words import sentence
@@ -101,7 +102,9 @@ def test_a_kind_of_law_words_what_its_observable_and_its_alternatives_do(monkeyp
 
     monkeypatch.setitem(DIRECTIONS, "stays-level", Direction(level, "stays level", "changes"))
     law = LAW.model_copy(update={"direction": "stays-level", "alternatives": ["turns_around"]})
-    row = decide(law, {"bends": np.array([3, 3, 3]), "turns_around": np.array([1.0, 1.0, 2.0])}, {"E": [1.0, 2.0, 3.0]})
+    row = decide(
+        law, {"bends": np.array([3, 3, 3]), "turns_around": np.array([1.0, 1.0, 2.0])}, Grid({"E": [1.0, 2.0, 3.0]})
+    )
     assert row["verdict"] == QUALIFIED
     assert row["reason"] == "bends stays level, but turns_around changes at 1 of 2 steps"
 
@@ -112,12 +115,12 @@ def test_the_verdicts_of_the_lines_are_those_that_the_law_counts() -> None:
     grid = rng.integers(0, 3, (3, 4, 2)).astype(float)
     grid[1, 2, 0] = np.nan
     law = Law(claim="c", observable="bends", axis="E", direction="not-rising", source="s")
-    found = by_line(law, grid, axes)
+    found = by_line(law, grid, Grid(axes))
     assert found.shape == (4, 2)
     for r in range(4):
         for f in range(2):
             assert found[r, f] == judge(grid[[1, 2, 0], r, f], "not-rising", True).verdict  # in the rising order of E
-    counts = decide(law, {"bends": grid}, axes)["line_verdicts"]
+    counts = decide(law, {"bends": grid}, Grid(axes))["line_verdicts"]
     assert {verdict: int((found == verdict).sum()) for verdict in counts} == counts
     assert len(counts) > 1
 
@@ -135,7 +138,7 @@ WRONG = {
 def test_a_false_law_of_every_kind_says_why_and_where(kind: str) -> None:
     rule, why = WRONG[kind]
     law = Law(claim="c", kind=kind, observable="kappa_max", axis="E", source="s", **rule)
-    row = decide(law, {"kappa_max": np.array([1.0, 4.0, 9.0])}, {"E": [1.0, 2.0, 3.0]})
+    row = decide(law, {"kappa_max": np.array([1.0, 4.0, 9.0])}, Grid({"E": [1.0, 2.0, 3.0]}))
     assert row.verdict == FAILS
     assert why in row.reason
     assert row.where.startswith("false")
@@ -144,12 +147,12 @@ def test_a_false_law_of_every_kind_says_why_and_where(kind: str) -> None:
 
 def test_of_a_constant_a_law_says_only_that_it_does_not_change() -> None:
     law = Law(claim="c", observable="kappa_max", axis="E", direction="falls", source="s")
-    row = decide(law, {"kappa_max": np.full(9, 3.0)}, {"E": np.arange(9.0)})
+    row = decide(law, {"kappa_max": np.full(9, 3.0)}, Grid({"E": np.arange(9.0)}))
     assert sentence(row) == "false: it does not change"
 
 
 def test_a_verdict_knows_the_types_of_all_its_attributes() -> None:
-    row = decide(LAW, {"bends": np.arange(3.0)}, {"E": np.arange(3.0)})
+    row = decide(LAW, {"bends": np.arange(3.0)}, Grid({"E": np.arange(3.0)}))
     assert {*row} == {*LawVerdict.__annotations__}
 
 
@@ -171,9 +174,9 @@ def test_a_verdict_has_names_and_is_selected_by_words() -> None:
 def test_where_a_law_is_false_is_said() -> None:
     law = Law(claim="(1)", observable="bends", axis="E", direction="falls", source="s", at={"R": 1.0})
     wrong = np.array([[5, 6, 4], [5, 4, 3]]).T
-    row = decide(law, {"bends": wrong}, {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0]})
+    row = decide(law, {"bends": wrong}, Grid({"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0]}))
     assert (row.verdict, row.where) == ("false", "at R = 1; true for 1 of 2 values of R; false from E = 1 to 2")
-    whole = decide(law.model_copy(update={"at": {}}), {"bends": wrong}, {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0]})
+    whole = decide(law.model_copy(update={"at": {}}), {"bends": wrong}, Grid({"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0]}))
     assert whole.where == "true for 1 of 2 values of R; false from E = 1 to 2, R = 1"
 
 
@@ -182,18 +185,18 @@ def test_the_reasons_of_several_lines_are_one_sentence_and_name_the_other_axes()
     axes = {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0, 3.0]}
     values = np.array([[3.0, np.nan, 3.0], [2.0, 2.0, np.nan], [1.0, 1.0, np.nan]])
     crossing = np.array([[False, True, True], [False, True, True]])
-    row = decide(law, {"height": values}, axes, crossing)
+    row = decide(law, {"height": values}, Grid(axes, crossing))
     said = "on 2 of 3 lines 3 of 6 cases have no value and 4 of 4 steps cross to another branch of equilibria"
     assert (row.verdict, row.reason) == (UNDECIDED, said)
     assert sentence(row).startswith(f"not decided: {said}; true for 1 of 3 values of R, 2 not decided")
-    single = decide(law, {"height": values[:, 1]}, {"E": axes["E"]}, crossing[:, 1])
+    single = decide(law, {"height": values[:, 1]}, Grid({"E": axes["E"]}, crossing[:, 1]))
     assert single.reason == "1 of 3 cases has no value; 2 of 2 steps cross to another branch of equilibria"
 
 
 def test_a_reason_that_some_lines_have_says_on_how_many_and_what_the_others_do() -> None:
     law = Law(claim="(1)", observable="bends", axis="E", direction="falls", source="s")
     values = np.array([[0, 2, 0], [1, 2, 1], [2, 2, 1]])
-    row = decide(law, {"bends": values}, {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0, 3.0]})
+    row = decide(law, {"bends": values}, Grid({"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0, 3.0]}))
     assert row.reason == "it rises instead on 2 of 3 lines; it does not change on 1 of 3 lines"
 
 
@@ -201,7 +204,7 @@ def test_a_law_that_is_decided_at_one_axis_counts_its_lines_over_all_others() ->
     law = Law(claim="(1)", observable="height", axis="E", direction="falls", source="s", at={"R": 1.0})
     values = np.ones((3, 2, 2)) * np.array([3.0, 2.0, 1.0])[:, None, None]
     values[:, 1, 1] = 1.0, 2.0, 3.0
-    row = decide(law, {"height": values}, {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0], "F1": [1.0, 2.0]})
+    row = decide(law, {"height": values}, Grid({"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0], "F1": [1.0, 2.0]}))
     assert row.reason == "true for 3 of 4 pairs of R and F1 (judged at R = 1)"
 
 

@@ -9,6 +9,7 @@ from scipy.stats import linregress, t
 
 from solver import InputError
 from studies.language.loader import loads
+from studies.laws.case_rows import Grid
 from studies.laws.judgement import Law, decide
 from studies.laws.line_verdicts import FINEST, fit_power, with_error
 
@@ -71,9 +72,9 @@ def test_an_error_that_is_0_unknown_or_too_small_to_be_seen_is_left_out(error: f
 def test_a_case_in_which_the_observable_is_not_defined_is_not_counted() -> None:
     law = Law(claim="a", kind="equals", observable="height", axis="E", formula=0.0, absolute=0.1, source="s")
     numbers, axes = {"height": np.array([0.05, np.nan, np.nan])}, {"E": [1.0, 2.0, 3.0]}
-    row = decide(law, numbers, axes, known={"solved": np.ones(3, dtype=bool)})
+    row = decide(law, numbers, Grid(axes, known={"solved": np.ones(3, dtype=bool)}))
     assert (row["verdict"], row["reason"]) == ("true", "not defined in 2 of 3 cases")
-    row = decide(law, numbers, axes, known={"solved": np.array([True, True, False])})
+    row = decide(law, numbers, Grid(axes, known={"solved": np.array([True, True, False])}))
     assert (row["verdict"], row["reason"]) == ("not decided", "1 of 2 cases has no value; not defined in 1 of 3 cases")
     nowhere = {"height": np.full(3, np.nan)}
-    assert decide(law, nowhere, axes, known={"solved": np.ones(3, dtype=bool)})["verdict"] == "not decided"
+    assert decide(law, nowhere, Grid(axes, known={"solved": np.ones(3, dtype=bool)}))["verdict"] == "not decided"

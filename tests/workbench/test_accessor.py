@@ -191,7 +191,7 @@ def test_unsolved_cases_stay_nan_when_they_are_solved_again(monkeypatch) -> None
             return path
 
     monkeypatch.setitem(METHODS, "verlet", Failing)
-    ds = in_memory.run(small.study("[axes.E]\nvalues = [1e4, 2e4]\n", 'outputs = ["beta"]'), method="verlet")
+    ds = in_memory.run(small.study("[axes.E]\nvalues = [1e4, 2e4]\n", 'method = "verlet"\noutputs = ["beta"]'))
     assert np.isnan(ds.rod.z[1]).all()
     assert np.isfinite(ds.rod.z[0]).all()
 

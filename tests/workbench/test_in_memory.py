@@ -21,7 +21,7 @@ SLOW_EULER = slow("euler")  # three seconds
 
 def test_where_it_came_from_is_kept_as_attributes() -> None:
     study = small.grid()
-    ds = in_memory.run(study.under("compression"), tol=1e-7, method="verlet")
+    ds = in_memory.run(study.under("compression").with_values(tol=1e-7, method="verlet"))
     assert ds.attrs["study_name"] == "small"
     assert ds.attrs["reading"] == "force-first/compression/paper"
     assert (ds.attrs["tolerance"], ds.attrs["method"]) == (1e-7, "verlet")
@@ -37,7 +37,7 @@ def test_a_case_that_fails_keeps_its_outcome_and_leaves_its_neighbours_alone(mon
             return path
 
     monkeypatch.setitem(METHODS, "verlet", Failing)
-    ds = in_memory.run(small.grid(), method="verlet")
+    ds = in_memory.run(small.grid().with_values(method="verlet"))
     bad = ds.isel(E=0, R=2)
     assert bad["outcome"].item() == "failed: on purpose"
     assert np.isnan(bad["beta"]).all()
@@ -64,7 +64,7 @@ def test_it_is_told_whether_the_error_covers_the_observables(method: str) -> Non
 
 def test_the_stored_text_says_with_which_stations_tolerance_and_method_the_study_was_run() -> None:
     written = small.study("[axes.E]\nvalues = [1e4, 2e4]\n")
-    ds = in_memory.run(written.at_stations(31), tol=1e-5, method="dop853")
+    ds = in_memory.run(written.at_stations(31).with_values(tol=1e-5, method="dop853"))
     again = loads(ds.attrs["study"])
     assert (again.stations, again.tol, again.method) == (31, 1e-5, "dop853")
     xr.testing.assert_equal(in_memory.run(again), ds)

@@ -45,7 +45,7 @@ def one_by_one(text: str) -> xr.Dataset:
 
 @cache
 def _by_marching(text: str) -> xr.Dataset:
-    return in_memory.run(small.study(text, HEAD), tol=1e-3, method="verlet")
+    return in_memory.run(small.study(text, HEAD).with_values(tol=1e-3, method="verlet"))
 
 
 def by_the_orbit(text: str) -> xr.Dataset:

@@ -12,6 +12,7 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import observe, solve
 from studies import Study
 from studies.language.loader import loads
+from studies.laws.case_rows import Grid
 from studies.laws.judgement import Law, decide
 from studies.laws.line_verdicts import TREND, as_good
 from tests.workbench import runs, small, stored_figures
@@ -244,7 +245,7 @@ def test_a_case_between_the_lines_of_the_coarse_grid_can_refute_a_law(stored: Pa
     numbers = np.ones(ds.sizes["sample"])
     for wrong in (False, True):
         numbers[odd] = 1 + 100 * sign * wrong
-        said = decide(law, {"bends": numbers}, dict(found.lattice.axes), rows=rows)
+        said = decide(law, {"bends": numbers}, Grid(dict(found.lattice.axes), rows=rows))
         assert said["lines"] == 4 + wrong
         assert as_good(said["verdict"], TREND) != wrong
     assert {step["at"]["R"] for step in said["exceptions"]} == {between.at["R"]}

@@ -27,8 +27,8 @@ from workbench.commands import docs
 from workbench.figures import canvas
 from workbench.lab import measured_runs
 from workbench.paper import law_cards, report_document, report_runs, reproduce
+from workbench.paper.sources import ReportedStudy
 from workbench.run import in_memory, writing
-from workbench.run.in_memory import StudyResult
 from workbench.stored import reading, stored_verdicts
 from workbench.stored.stored_study import StoredStudy
 
@@ -85,7 +85,7 @@ def readings() -> StoredStudy:
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory) -> list[StudyResult]:
+def results(tmp_path_factory) -> list[ReportedStudy]:
     folder = tmp_path_factory.mktemp("pictures")
     found = []
     for name in PAPER:
@@ -95,7 +95,7 @@ def results(tmp_path_factory) -> list[StudyResult]:
         sizes = {pictures["figure"]: (96, 74), pictures["scene"]: (1440, HIGH[name][0]), column: (700, HIGH[name][1])}
         for path, size in sizes.items():
             Image.new("RGB", size, "white").save(path)
-        found.append(replace(in_memory.result(load(name), ds, folder / f"{name}.h5"), pictures=pictures))
+        found.append(ReportedStudy(StoredStudy(ds), folder / f"{name}.h5", pictures))
     return found
 
 
@@ -155,8 +155,8 @@ def test_that_no_real_rod_could_keep_the_shapes_is_said_once_at_the_top_and_lead
     assert said.count("o real rod could keep") == 1
     assert "o real rod could keep" in said.partition("Judged by")[0]
     assert text.partition('class="claims"')[0].count('href="#let_go"') == 1
-    kept = results[1].ds.assign(caution=results[1].ds["caution"].copy(data=np.full(9, "")))
-    mixed = Page(report_document.html([replace(results[1], ds=kept), *results[2:3]])).text
+    kept = results[1].stored.ds.assign(caution=results[1].stored.ds["caution"].copy(data=np.full(9, "")))
+    mixed = Page(report_document.html([replace(results[1], stored=StoredStudy(kept)), *results[2:3]])).text
     assert mixed.count("Real rods could keep nine of the 18 shapes") == 1
     assert mixed.count("; no real rod could keep these shapes") == 1  # of the other panel
 
@@ -173,16 +173,16 @@ def test_every_picture_is_inside_and_described(text, results) -> None:
 
 def test_the_card_of_a_claim_and_the_table_of_readings_have_one_verdict(readings) -> None:
     study = load("fig7_5_forces").under("twist-first/tension/solid")
-    result = in_memory.result(study, in_memory.run(study).isel(F1=[0, 4, 8], F3=[0, 4, 8]))
-    told = Page(report_document.html([result], readings)).text
+    stored = StoredStudy(in_memory.run(study).isel(F1=[0, 4, 8], F3=[0, 4, 8]))
+    told = Page(report_document.html([ReportedStudy(stored)], readings)).text
     cells = {row["name"]: row["cells"] for row in law_cards.of_readings(readings)["rows"]}
     assert cells["twist-first/tension/solid"][4]["verdict"] == "not decided"
     assert re.search(r"Not decided: .*\(not decided\).*Fig. 7 \(5\)", told.partition("In the pictures")[0], re.DOTALL)
     assert "1 claim about an elastic rod on a cylinder: 1 not decided" in told
     assert "not tested along F₁: F₁ has no effect under this reading" in told
     assert "F1 has no effect" not in told
-    assert set(stored_verdicts.verdicts_of_lines(result.stored, study.laws[0]).values.ravel()) == {"not decided"}
-    assert stored_verdicts.is_refuted(0, result.verdicts)
+    assert set(stored_verdicts.verdicts_of_lines(stored, study.laws[0]).values.ravel()) == {"not decided"}
+    assert stored_verdicts.is_refuted(0, stored.verdicts)
 
 
 ROOT = Path(__file__).parents[2]
@@ -199,8 +199,8 @@ def test_the_page_on_the_claims_has_the_verdict_of_each_reading(readings) -> Non
 
 
 def test_the_page_on_the_claims_has_the_measured_numbers_of_each_law(results) -> None:
-    own = [result for result in results if result.verdicts]
-    laws = [row for result in own for row in result.verdicts]
+    own = [result for result in results if result.stored.verdicts]
+    laws = [row for result in own for row in result.stored.verdicts]
     words = (law_words.law_in_words, law_words.measure, law_words.sentence)
     assert [row for row in TOLD[1:] if len(row) == 4][2:] == [[row["claim"], *(f(row) for f in words)] for row in laws]
     worst = {c: law_cards.worst([row["verdict"] for row in laws if row["claim"] == c]) for c in ("(3)", "(4)")}
@@ -210,9 +210,9 @@ def test_the_page_on_the_claims_has_the_measured_numbers_of_each_law(results) ->
         claim = row["claim"]
         alone = claim, law_cards.worst([one["verdict"] for one in laws if one["claim"] == claim])
         assert sentences[row["source"]] == (both if claim in worst else alone)
-    rods = sum(result.ds["outcome"].size for result in own)
-    assert sum(int(re.findall(r"(\d+) would lift off", result.ds.attrs["caution"])[0]) for result in own) == rods
-    through = sum(int(result.ds["overlaps"].sum()) for result in own)
+    rods = sum(result.stored.ds["outcome"].size for result in own)
+    assert sum(int(re.findall(r"(\d+) would lift off", result.stored.ds.attrs["caution"])[0]) for result in own) == rods
+    through = sum(int(result.stored.ds["overlaps"].sum()) for result in own)
     told = " ".join(CLAIMS.split())
     assert f"of the {rods} rods of the five panels all would lift off" in told
     assert f" {through} pass through themselves" in told
@@ -232,11 +232,11 @@ def test_no_line_ends_inside_a_formula(text) -> None:
 
 
 def test_the_versions_are_those_of_all_files_and_where_they_differ_each_is_named(results) -> None:
-    packages = json.loads(results[0].ds.attrs["versions"])
+    packages = json.loads(results[0].stored.ds.attrs["versions"])
     one = packages["rod-workbench"]
     assert f"this report as “rod workbench {one}, Figures" in Page(report_document.html(results[:2])).text
     older = json.dumps(packages | {"rod-workbench": "0.0.1"})
-    mixed = [replace(results[0], ds=results[0].ds.assign_attrs(versions=older)), *results[1:3]]
+    mixed = [replace(results[0], stored=StoredStudy(results[0].stored.ds.assign_attrs(versions=older))), *results[1:3]]
     told = Page(report_document.html(mixed)).text
     each = f"0.0.1 (fig6) and {one} (fig7_1_modulus, fig7_2_radius)"
     assert f"this report as “rod workbench {each}, Figures" in told
@@ -257,26 +257,26 @@ def test_a_study_that_a_reading_does_not_admit_is_named_with_its_reason(results,
 
 def test_below_a_diagram_stands_its_caption(results, tmp_path) -> None:
     for result in results[:2]:  # one rod, and rods along an axis
-        pictures, caption = reproduce._draw(result, tmp_path, able=False)
+        pictures, caption = reproduce._draw(result.stored, tmp_path, able=False)
         assert any("seen from outside" in sentence for sentence in caption)
         text = Page(report_document.html([replace(result, pictures=pictures, caption=caption)])).text
         assert " ".join(caption) in text
 
 
 def test_what_a_study_says_is_text_and_not_markup(results) -> None:
-    ds = results[0].ds.assign_attrs(title="<script>alert(1)</script>")
-    text = report_document.html([replace(results[0], ds=ds)])
+    ds = results[0].stored.ds.assign_attrs(title="<script>alert(1)</script>")
+    text = report_document.html([replace(results[0], stored=StoredStudy(ds))])
     assert "<script>alert" not in text
 
 
 @pytest.mark.slow
 def test_the_report_replaces_the_old_one_whole(results, measured, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(measured_runs, "comparisons", lambda folder: measured if folder == tmp_path else [])
-    assert report_document.write(results[:1], tmp_path) == tmp_path / "report.html"
+    assert report_document.write(tmp_path, results[:1]) == tmp_path / "report.html"
     assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
     assert 'id="extremes"' in (tmp_path / "report.html").read_text(encoding="utf-8")
     with pytest.raises(InputError, match="cannot write"):
-        report_document.write(results[:1], tmp_path / "nowhere")
+        report_document.write(tmp_path / "nowhere", results[:1])
     with pytest.raises(InputError, match="at least one study"):
         report_document.html([])
 
@@ -301,7 +301,7 @@ def test_a_picture_keeps_a_narrow_white_margin(tmp_path) -> None:
 
 @node.needs_node
 def test_the_page_solves_the_stored_rod_of_table_1(results) -> None:
-    (ds,) = [result.ds for result in results if result.study.name == "fig6"]
+    (ds,) = [result.stored.ds for result in results if result.stored.attrs["study_name"] == "fig6"]
     data = report_document.figure_of(StoredStudy(ds))
     assert data["fields"] == ["E", "R", "beta", "F1", "F3"]
     script = """const s = rod_shape.marched(core, rod_case.caseOf(given.state, given.letters));
@@ -313,16 +313,16 @@ answer({ ...s.at(Float64Array.from(given.s)), end: s.z.at(-1) });"""
 
 
 def test_a_reading_without_the_force_has_a_slider_for_the_twist(results) -> None:
-    (ds,) = [result.ds for result in results if result.study.name == "fig6"]
+    (ds,) = [result.stored.ds for result in results if result.stored.attrs["study_name"] == "fig6"]
     fields = report_document.figure_of(StoredStudy(ds.assign_attrs(reading="twist-first/tension/paper")))["fields"]
     assert fields == ["E", "R", "beta", "dgamma", "F3"]
 
 
 def test_a_rod_without_a_shape_does_not_turn(results) -> None:
-    (one,) = [result for result in results if result.study.name == "fig7_1_modulus"]
-    ds = small.with_outcomes(one.ds, ["failed: for the test"] * 9)
+    (one,) = [result for result in results if result.stored.attrs["study_name"] == "fig7_1_modulus"]
+    ds = small.with_outcomes(one.stored.ds, ["failed: for the test"] * 9)
     assert report_document.figure_of(StoredStudy(ds)) is None
-    text = report_document.html([replace(one, ds=ds)])
+    text = report_document.html([replace(one, stored=StoredStudy(ds))])
     assert 'class="turntable"' not in text
 
 
@@ -443,7 +443,7 @@ def test_a_panel_with_two_rows_of_rods_is_known_as_tall(text, results) -> None:
 
 
 def test_a_row_of_rods_says_where_each_stands_so_that_the_slider_can_frame_it(results, tmp_path) -> None:
-    (result,) = [result for result in results if result.study.name == "fig7_1_modulus"]
+    (result,) = [result for result in results if result.stored.attrs["study_name"] == "fig7_1_modulus"]
     pixels = np.ones((100, 200, 3), dtype=np.uint8) * 255
     pixels[40:60, 20:180] = 0  # ink; 16 pixels of margin are kept around it
     info, path = PngImagePlugin.PngInfo(), tmp_path / "row.png"
@@ -499,10 +499,10 @@ def test_only_a_touch_screen_is_told_to_tap(text) -> None:
 
 def test_beside_each_turntable_stand_the_observables_of_its_rod(text, results) -> None:
     figures = json.loads(Page(text).packed["data"])["figures"]
-    (one,) = [result for result in results if result.study.name == "fig7_1_modulus"]
+    (one,) = [result for result in results if result.stored.attrs["study_name"] == "fig7_1_modulus"]
     cases = figures["turn-fig7_1_modulus"]["cases"]
     told = [dict(case["facts"])["number of bends"] for case in cases]
-    assert told == [str(int(count)) for count in one.ds["bends"].values]
+    assert told == [str(int(count)) for count in one.stored.ds["bends"].values]
 
 
 @pytest.mark.slow

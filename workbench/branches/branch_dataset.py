@@ -18,6 +18,7 @@ from solver.problem.errors import check_known
 from solver.problem.quantities import current
 from studies import Study
 from studies.grammar.axes import quantity_of
+from studies.laws.case_rows import Grid
 from studies.laws.judgement import Law, decide
 from studies.laws.line_verdicts import QUALIFIED
 
@@ -166,11 +167,8 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced, solved: Sequ
             if k.size <= 2:
                 row[key] = "too short"
                 continue
-            said = decide(
-                law,
-                {observable: ds[observable].values[k, i] for observable in law.observables},
-                {name: ds[name].values[k]},
-            )
+            observed = {observable: ds[observable].values[k, i] for observable in law.observables}
+            said = decide(law, observed, Grid({name: ds[name].values[k]}))
             kinds = f": {', '.join(said['qualifications'])}" if said["verdict"] == QUALIFIED else ""
             row[key] = said["verdict"] + kinds
         rows.append(row)

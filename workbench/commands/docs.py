@@ -2,7 +2,6 @@
 
 import shlex
 import sys
-from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
@@ -21,7 +20,7 @@ BIBTEX = """@software{{rod_workbench,
   author  = {{{{The rod workbench authors}}}},
   title   = {{Rod workbench: the shape of an elastic rod on a cylinder}},
   version = {{{version}}},
-  year    = {{{year}}}
+  year    = {{{released}}}
 }}
 
 @article{{physical_modeling_2023,
@@ -29,15 +28,17 @@ BIBTEX = """@software{{rod_workbench,
   title   = {{{title}}},
   journal = {{{journal}}},
   volume  = {{{volume}}},
-  year    = {{{published}}},
+  year    = {{{year}}},
   doi     = {{{doi}}}
 }}"""
 YEAR = "2026"  # of this version
 PAPER = {
     "title": "Physical modeling and geometric shape simulation for one-dimensional flexible objects with cylindrical "
     "surface constraints",
-    "authors": "Y. M., H. D., Q. J. and W. X.",  # as the paper's list of contributions has them
-    "journal": "Scientific Reports 13",
+    "author": "Y. M.",
+    "others": "H. D., Q. J. and W. X.",  # as the paper's list of contributions has them
+    "journal": "Scientific Reports",
+    "volume": "13",
     "year": "2023",
     "doi": "10.1038/s41598-023-32064-y",
 }
@@ -53,36 +54,21 @@ def docs(
     once, and until then the command names the line that does so.
     """
     if bibtex:
-        print(_bibtex())
+        from .. import __version__
+
+        print(BIBTEX.format(version=__version__, released=YEAR, **PAPER))
         return 0
     import webbrowser
 
-    address_of_site = site(PLACES).as_uri()
+    address_of_site = site().as_uri()
     if address or not webbrowser.open(address_of_site):
         console.say(address_of_site)
     return 0
 
 
-def _bibtex() -> str:
-    from .. import __version__
-
-    author = PAPER["authors"].partition(",")[0]
-    journal, volume = PAPER["journal"].rsplit(" ", 1)
-    return BIBTEX.format(
-        version=__version__,
-        year=YEAR,
-        author=author,
-        title=PAPER["title"],
-        journal=journal,
-        volume=volume,
-        published=PAPER["year"],
-        doi=PAPER["doi"],
-    )
-
-
-def site(places: Sequence[Path]) -> Path:
+def site() -> Path:
     """The first page of the site. Raises `InputError` where it was not built, with the command that builds it."""
-    for place in places:
+    for place in PLACES:
         if (place / "index.html").is_file():
             return place / "index.html"
     if not (ROOT / "docs" / "build.py").is_file():

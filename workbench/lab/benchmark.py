@@ -5,7 +5,7 @@ number. The achieved error is measured against a reference, not taken from the m
 """
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,9 +83,7 @@ def available_ladders() -> dict[str, Ladder]:
 
 
 def measure(
-    cases: Mapping[str, tuple[Case, BenchmarkReference, float | None]],
-    ladders: Mapping[str, Ladder] | None = None,
-    told: Callable[[str], None] = lambda _: None,
+    cases: Mapping[str, tuple[Case, BenchmarkReference, float | None]], ladders: Mapping[str, Ladder]
 ) -> list[BenchmarkRow]:
     """Each ladder on each case of a kind that its method solves; one row a rung, failed rungs included.
 
@@ -93,10 +91,8 @@ def measure(
     ----------
     cases : mapping
         Name -> case, reference and, for an ends problem, beta'(0) of the equilibrium that is meant.
-    ladders : mapping of Ladder, optional
-        By name; default: all that are offered.
-    told : callable
-        Called with the name of each case before it is measured.
+    ladders : mapping of Ladder
+        By name.
 
     Raises
     ------
@@ -105,10 +101,9 @@ def measure(
     """
     rows: list[BenchmarkRow] = []
     for name, (case, reference, slope) in cases.items():
-        told(name)
         # of ends the equilibrium that is meant is the seed of every method; its cost is not counted
         seed = {} if slope is None else {"seed": solve(case, method="shooting", seed=slope, stations=101)}
-        for label, ladder in (available_ladders() if ladders is None else ladders).items():
+        for label, ladder in ladders.items():
             if case.kind in METHODS[ladder.method].problems:
                 rows += _climb(name, case, reference, label, ladder, seed)
     return rows

@@ -21,7 +21,6 @@ from studies.paper.readings import TABLE_1, Reading
 from ..commands.docs import PAPER
 from ..figures import colours
 from ..run import atomic
-from ..run.in_memory import StudyResult
 from ..stored.stored_study import StoredStudy
 from ..web import pages
 from ..web.live.presets import PRESETS
@@ -29,6 +28,7 @@ from ..web.turntable import turntable_page
 from ..words import caution_words, labels
 from . import report_runs, sources
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, mechanism, of_readings, sentence
+from .sources import ReportedStudy
 
 if TYPE_CHECKING:
     from ..lab.measured_runs import MeasuredRun
@@ -54,30 +54,19 @@ SHOWN = (
 FIELDS = ("E", "R", "beta", "F1", "dgamma", "F3")  # those that the reading uses get a slider
 
 
-def write(
-    results: Sequence[StudyResult],
-    out: Path,
-    readings: StoredStudy | None = None,
-    refusals: Sequence[str] = (),
-    equilibria: tuple[StoredStudy, Mapping[str, Path]] | None = None,
-    story: Path | None = None,
-    release: Mapping[str, Any] | str = "",
-) -> Path:
-    """Write `report.html` into the folder `out` and return it.
+def write(out: Path, results: Sequence[ReportedStudy], **parts: Any) -> Path:
+    """Write `report.html` into the folder `out` and return it, with the measurements that are stored there.
 
-    readings: the dataset of `report_runs.run_readings`. refusals: studies that could not be run under this reading, and
-    why. equilibria: the dataset of `run_equilibria` and its pictures. story: the figure of the whole story.
-    release: as of `report_runs.release`, or why there is none. Raises `InputError` where it cannot be written.
+    parts: as of `html`. Raises `InputError` where it cannot be written.
     """
     measured = []
     if tenants.is_there("workbench.lab"):
-        measured = tenants.module_of("workbench.lab.measured_runs").comparisons(Path(out))
-    text = html(results, readings, refusals, measured, equilibria, story, release)
-    return atomic.write_text(Path(out) / NAME, text)
+        measured = tenants.module_of("workbench.lab.measured_runs").comparisons(out)
+    return atomic.write_text(out / NAME, html(results, measured=measured, **parts))
 
 
 def html(
-    results: Sequence[StudyResult],
+    results: Sequence[ReportedStudy],
     readings: StoredStudy | None = None,
     refusals: Sequence[str] = (),
     measured: "Sequence[MeasuredRun]" = (),
@@ -85,14 +74,19 @@ def html(
     story: Path | None = None,
     release: Mapping[str, Any] | str = "",
 ) -> str:
-    """The report as text, with every picture, a turntable for each panel and the compiled core inside it."""
+    """The report as text, with every picture, a turntable for each panel and the compiled core inside it.
+
+    readings: the dataset of `report_runs.run_readings`. refusals: studies that could not be run under this reading, and
+    why. equilibria: the dataset of `run_equilibria` and its pictures. story: the figure of the whole story.
+    release: as of `report_runs.release`, or why there is none.
+    """
     if not results:
         raise InputError("a report needs at least one study")
     figures = {f"turn-{result.stored.attrs['study_name']}": figure_of(result.stored) for result in results}
     figures = {name: figure for name, figure in figures.items() if figure is not None}
     sections = [_section(result, figures) for result in results]
     datasets = [*(result.stored for result in results), *([] if readings is None else [readings])]
-    cases = [[result.ds[name].values.ravel() for result in results] for name in ("caution", "solved")]
+    cases = [[result.stored[name].values.ravel() for result in results] for name in ("caution", "solved")]
     texts, solved = (np.concatenate(each) for each in cases)
     laws = [row for section in sections for row in section["laws"]]
     verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in colours.VERDICTS.items())
@@ -203,12 +197,12 @@ def _equilibria(stored: StoredStudy, files: Mapping[str, Path]) -> dict[str, Any
     return report_runs.rows(stored, [_picture(path, alt, SCENE) for path in files.values()])
 
 
-def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
+def _section(result: ReportedStudy, figures: Mapping[str, Any]) -> dict[str, Any]:
     """The section of one study."""
     stored = result.stored
     scenes = [(name, path) for name, path in result.pictures.items() if name.startswith("scene")]
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
-    laws = [law_of(stored, row) | {"why": mechanism(row["claim"], stored)} for row in result.verdicts]
+    laws = [law_of(stored, row) | {"why": mechanism(row["claim"], stored)} for row in stored.verdicts]
     name, title = str(stored.attrs["study_name"]), str(stored.attrs["title"])
     turntable = figures.get(f"turn-{name}")
     pictures = [
@@ -221,7 +215,7 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
         "turning": turntable,
         "row": bool(stored.axes) and bool(scenes),
         "restable": stored.restable,
-        "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
+        "sentences": list(dict.fromkeys(row["source"] for row in stored.verdicts)),
         "laws": laws,
         "single": facts_of(stored) if not stored.axes else [],
         "note": sentence(str(stored.attrs.get("fold_note", ""))),

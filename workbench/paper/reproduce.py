@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,8 +14,8 @@ from ..commands.stored_words import print_verdicts
 if TYPE_CHECKING:
     from studies import Study
 
-    from ..run.in_memory import StudyResult
     from ..stored.stored_study import StoredStudy
+    from .sources import ReportedStudy
 
 RODS = "fig6"  # the study of the rod of Table 1
 STORY = "story.png"
@@ -60,21 +59,23 @@ def reproduce(
             story = _draw_story(results, readings, out / STORY)
             release = _release(load(report_runs.LET_GO).under(reading), out)
             report_document.write(
-                results, out, readings=readings, refusals=refusals, equilibria=equilibria, story=story, release=release
+                out, results, readings=readings, refusals=refusals, equilibria=equilibria, story=story, release=release
             )
         _print(results, readings, out, advice)
         for refusal in refusals:
             console.say(f"Omitted: {refusal}")
-        refuted = any(stored_verdicts.is_refuted(result.stored.unsolved, result.verdicts) for result in results)
+        judged = [result.stored for result in results]
+        refuted = any(stored_verdicts.is_refuted(stored.unsolved, stored.verdicts) for stored in judged)
         return 1 if refusals or refuted else 0
 
 
 def _results(
     studies: "Sequence[Study]", files: dict[str, Path], out: Path, able: bool, step: Any
-) -> "tuple[list[StudyResult], list[str]]":
+) -> "tuple[list[ReportedStudy], list[str]]":
     """Solve, store and draw each study; the results, and a sentence for each study that its reading does not admit."""
-    from ..run import in_memory, run_and_resume
+    from ..run import run_and_resume
     from ..stored import reading
+    from .sources import ReportedStudy
 
     results, refusals = [], []
     for study in studies:
@@ -85,10 +86,9 @@ def _results(
             refusals.append(f"{study.title}: {error}")
             step("")
             continue
-        result = in_memory.result(study, reading.read(files[study.name]), files[study.name])
         step(f"drawing {study.name}")
-        pictures, caption = _draw(result, out, able)
-        results.append(replace(result, pictures=pictures, caption=caption))
+        stored = reading.read_stored(files[study.name])
+        results.append(ReportedStudy(stored, files[study.name], *_draw(stored, out, able)))
     return results, refusals
 
 
@@ -125,17 +125,17 @@ def _release(study: "Study", out: Path) -> dict[str, Any] | str:
     return report_runs.release(study, reading.read_stored(file))
 
 
-def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path], list[str]]:
+def _draw(stored: "StoredStudy", out: Path, able: bool) -> tuple[dict[str, Path], list[str]]:
     """Draw one dataset: name -> file, scenes only if OpenGL works; and the sentences of the caption of the diagram."""
     from ..figures import canvas, figure_kinds
     from ..figures.sheet import COLUMN
     from . import report_document
 
-    name = result.ds.attrs["study_name"]
-    stored = result.stored.with_title("")  # the report gives the title, once
+    name, verdicts = stored.attrs["study_name"], stored.verdicts
+    stored = stored.with_title("")  # the report gives the title, once
     pictures = {"figure": out / f"{name}.png"}
     kind = figure_kinds.kind_without_map(stored)
-    known: dict[str, Any] = {"verdicts": result.verdicts} if kind == "lines" else {}
+    known: dict[str, Any] = {"verdicts": verdicts} if kind == "lines" else {}
     fig = figure_kinds.figure(stored, kind, **known)
     canvas.save(fig, pictures["figure"])
     with suppress(InputError):  # where it is too low in print
@@ -147,7 +147,7 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path]
     return pictures, canvas.caption(fig, advice=False)
 
 
-def _draw_story(results: "list[StudyResult]", readings: "StoredStudy", path: Path) -> Path | None:
+def _draw_story(results: "list[ReportedStudy]", readings: "StoredStudy", path: Path) -> Path | None:
     """Draw the figure of the whole story and return its file; None where the reading leaves a study out."""
     from ..figures import canvas
     from ..figures.sheet import COLUMN, sheet
@@ -162,16 +162,15 @@ def _draw_story(results: "list[StudyResult]", readings: "StoredStudy", path: Pat
     return path
 
 
-def _print(results: "list[StudyResult]", readings: "StoredStudy", out: Path, advice: str) -> None:
-
-    verdicts = [row for result in results for row in result.verdicts]
+def _print(results: "list[ReportedStudy]", readings: "StoredStudy", out: Path, advice: str) -> None:
+    verdicts = [row for result in results for row in result.stored.verdicts]
     print_verdicts(verdicts, title=results[0].stored.reading)
     console.say("")
     claims = [str(claim) for claim in readings["claim"].values]
     heads = ["twist from", "F₃₀", "stiffness", *claims]
     tables.print_table(heads, _verdict_rows(readings), title="The claims in each reading of Table 1")
     unsolved = sum(result.stored.unsolved for result in results)
-    cases = sum(result.ds["outcome"].size for result in results)
+    cases = sum(result.stored.cases for result in results)
     console.say("")
     console.say(f"{cases} cases, {unsolved} unsolved")
     console.say(f"all files are in {out}, the report is {out / 'report.html'}")

@@ -1,6 +1,8 @@
 """Where the numbers of the report come from: the files of its studies, their versions, the paper and its Table 1."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,6 @@ from studies import TABLE_1
 from studies.grammar.axes import quantity_of
 from studies.paper.readings import Reading
 
-from ..run.in_memory import StudyResult
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 
@@ -18,7 +19,20 @@ WORKBENCH = "rod-workbench"
 LEAST_ERROR = 1e-16  # rad, that of a float near 1: a smaller bound says nothing
 
 
-def row(result: StudyResult) -> dict[str, Any]:
+@dataclass(frozen=True, eq=False)
+class ReportedStudy:
+    """A stored study of the report, and its files.
+
+    path: the stored file. pictures: name -> file. caption: the sentences of the diagram.
+    """
+
+    stored: StoredStudy
+    path: Path | None = None
+    pictures: Mapping[str, Path] = field(default_factory=dict)
+    caption: Sequence[str] = ()
+
+
+def row(result: ReportedStudy) -> dict[str, Any]:
     """The file of a study, its method and its errors."""
     stored = result.stored
     error, condition = (np.asarray(stored[name].values, dtype=float) for name in ("error", "condition"))
@@ -34,7 +48,7 @@ def row(result: StudyResult) -> dict[str, Any]:
     }
 
 
-def least_bound(results: Sequence[StudyResult]) -> str:
+def least_bound(results: Sequence[ReportedStudy]) -> str:
     """The least power of ten above the estimated error [rad] of every solved case: ``10⁻⁷``."""
     errors = [np.nanmax(result.stored["error"].values, initial=0.0) for result in results]
     return labels.power_of_ten(10.0 ** np.ceil(np.log10(max(*errors, LEAST_ERROR))))

@@ -57,6 +57,13 @@ def make(
     return ds.assign_attrs(caution=caution_words.said(ds["caution"].values))
 
 
+def make_as_planned(plan: Plan, columns: Columns) -> xr.Dataset:
+    """The dataset of a study, from the columns of all its cases as they were solved."""
+    if plan.study.sweeps:
+        columns["branch"] = outcome_counts.number_branches(columns["branch"], columns["branch"])
+    return make(plan.study, plan.dimensions, columns, remarks(plan))
+
+
 @dataclass(frozen=True, eq=False)
 class FileSource:
     """The cases of a stored dataset.

@@ -1,10 +1,5 @@
 """Run a study in memory."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
 
@@ -12,53 +7,22 @@ from solver import InputError, solve
 from solver.follow import EndAngleBranch, to_fold
 from studies import Study
 from studies.grammar.axes import Dimensions, is_angle, quantity_of
-from studies.laws.law_verdict import LawVerdicts
 
 from ..stored import quantity_variables
 from ..stored.boxes import Columns
 from ..stored.empty_dataset import without_results
-from ..stored.stored_study import StoredStudy
-from ..words import outcome_counts
 from . import dataset_assembly
 from .block import block_of, columns
-from .plan import bytes_a_case, plan, remarks, rounds
+from .plan import bytes_a_case, plan, rounds
 from .shards import join
 
 MOST_IN_MEMORY = 2_000_000_000
 
 
-@dataclass(frozen=True, eq=False)
-class StudyResult:
-    """A study that was run: its dataset, the verdicts on its laws, and its files.
-
-    path: the stored file. pictures: name -> file. caption: the sentences of the diagram.
-    """
-
-    study: Study
-    ds: xr.Dataset
-    verdicts: LawVerdicts
-    path: Path | None = None
-    pictures: dict[str, Path] = field(default_factory=dict)
-    caption: Sequence[str] = ()
-
-    @cached_property
-    def stored(self) -> StoredStudy:
-        """The dataset, as figures, scenes and pages take it."""
-        return StoredStudy(self.ds)
-
-
-def run(study: Study, tol: float | None = None, method: str | None = None) -> xr.Dataset:
+def run(study: Study) -> xr.Dataset:
     """Solve every case of a study and return the dataset.
 
     A case that fails has an outcome that says why and does not affect the others.
-
-    Parameters
-    ----------
-    study : Study
-    tol : float, optional
-        In place of the tolerance of the study.
-    method : str, optional
-        In place of the method of the study.
 
     Returns
     -------
@@ -79,8 +43,6 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     >>> ds["bends"].values
     array([8, 7, 6, 6, 6, 5, 5, 5, 5])
     """
-    if given := {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}:
-        study = study.with_values(**given)
     if study.variation.from_base:
         return run_followed(study)
     work = plan(study)
@@ -94,10 +56,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
         if start < stop:
             blocks = so_far.chunk(start, stop).blocks(so_far.block)
             parts.append(join([block_of(so_far.study, part) for part in blocks]))
-    columns = join(parts)
-    if study.sweeps:
-        columns["branch"] = outcome_counts.number_branches(columns["branch"], columns["branch"])
-    return dataset_assembly.make(so_far.study, so_far.dimensions, columns, remarks(so_far))
+    return dataset_assembly.make_as_planned(so_far, join(parts))
 
 
 def outline(study: Study) -> xr.Dataset:
@@ -106,11 +65,6 @@ def outline(study: Study) -> xr.Dataset:
     That of a study which follows an equilibrium is solved, as its values are found on the way.
     """
     return without_results(study) if not study.variation.from_base else run(study)
-
-
-def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:
-    """A dataset with the verdicts of its laws."""
-    return StudyResult(study, ds, StoredStudy(ds).verdicts, path)
 
 
 def run_followed(study: Study) -> xr.Dataset:

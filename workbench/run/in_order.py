@@ -12,10 +12,9 @@ from solver import Case, Solution, solve
 from studies import Study
 
 from ..stored.case_solving import rule_of, solve_one
-from ..words import outcome_counts
 from . import dataset_assembly, shards
 from .block import block_of, columns
-from .plan import plan, remarks
+from .plan import plan
 from .shards import encode
 
 TOGETHER = 8  # rods on the wall: an interruption loses as many; x10: it loses a film of rods that are slow to solve
@@ -55,10 +54,7 @@ def run_in_order(study: Study, folder: Path, step: Callable[[str, int, int], Non
             kept = sum(stop - first for first, stop in shards.shard_ranges(folder, work.size))
             kept_in = f"{kept} of {work.size} rods are kept in {folder}"
             raise KeyboardInterrupt(f"interrupted; {kept_in}; run the same command again to continue") from None
-        solved = parts.read_cases(0, work.size)
-        if study.sweeps:
-            solved["branch"] = outcome_counts.number_branches(solved["branch"], solved["branch"])
-        return dataset_assembly.make(work.study, work.dimensions, solved, remarks(work))
+        return dataset_assembly.make_as_planned(work, parts.read_cases(0, work.size))
 
 
 def _solution_after(study: Study, case: Case, before: Solution | None) -> Solution:

@@ -12,7 +12,7 @@ from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import choices
 from studies import Study, load
 from studies.grammar.axes import WORDS, Which, in_words
-from studies.language.case_input import CaseInput, force_kept, from_values, in_units, stand_ins_of, with_values
+from studies.language.case_input import CaseInput, case_of_study, from_values, in_units, with_values
 
 from . import file_kinds, quantity_variables, reading
 from .chosen_cases import Value
@@ -62,18 +62,7 @@ def case_at(study: Study, at: Mapping[str, Any], values: Mapping[str, Any], name
         For a value that is not on its axis, and for an unknown or invalid field.
     """
     place = {} if study.variation.from_base else place_of(study, at)
-    changed = f", except {choices(values)}" if values else ""
-    followed = study.variation.from_base
-    case = study.case() if followed else study.case_of(place)
-    given = {**study.base.given, **place}
-    changes = values if followed else force_kept(given, values) | dict(values)
-    source = f"{named or study.title}{changed}"
-    which = study.equilibrium
-    taken = with_values(case, in_units(changes, study.unit_system), study.unit_system)
-    where = ", ".join([study.title, *(in_words(field, value) for field, value in place.items())])
-    given = stand_ins_of(changes if values else given, study.unit_system)
-    title = where + changed
-    return CaseInput(taken, study.unit_system, source, {}, study, which, False, place, given, title)
+    return case_of_study(study, values, named or study.title, place)
 
 
 def open_case(file: Path, values: Mapping[str, Any]) -> CaseInput:

@@ -3,6 +3,7 @@
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from solver.problem.errors import InputError, choices
 from studies.language.expressions import unit_names
 from studies.language.printed import as_reading
 from studies.laws import law_words
+from studies.laws.case_rows import Grid
 from studies.laws.judgement import Law, by_line, decide, refusal, targets
 from studies.laws.law_verdict import LawVerdict, LawVerdicts
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED, branch_changes
@@ -74,10 +76,10 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
         if study is not None:
             values, branch = {name: ds[name].values for name in study.lattice.axes}, ds.get("branch")
             of_all = study.rows(law.axis, values, None if branch is None else branch.values)
-            row = decide(law, observed, dict(study.lattice.axes), None, *_grid(ds, law, None)[2:], of_all)
+            grid = replace(_grid(ds, law, None), axes=study.lattice.axes, rows=of_all)
         else:
-            steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
-            row = decide(law, observed, *_grid(ds, law, steps))
+            grid = _grid(ds, law, crossings(ds, law.axis) if crossing is None else crossing.get(law.axis))
+        row = decide(law, observed, grid)
         if left_out.any():
             row["reason"] = law_words.join([row["reason"], _reason_left_out(left_out)])
         rows.append(_row_of_untested(law, row) if _is_inert(ds, law) else row)
@@ -102,12 +104,12 @@ def _reason_left_out(left_out: "NDArray[np.bool_]") -> str:
     return f"{count} of {left_out.size} rods {words} left out"
 
 
-def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> tuple[Any, Any, Any, Any]:
-    """What a law is judged with beside its observables: axes, steps, counts and numbers, as of `decide`."""
+def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> Grid:
+    """What a law is judged on besides its observables."""
     axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
     counts = [name for name in law.observables if name in ds and quantity_variables.is_count(ds[name])]
     solved = {"solved": ds["solved"].values & ~_outside_the_law(ds, law)} if "solved" in ds else {}
-    return axes, steps, counts, _numbers_of_law(ds, law) | solved
+    return Grid(axes, steps, counts, {**_numbers_of_law(ds, law), **solved})
 
 
 def _is_inert(ds: "xr.Dataset", law: Law) -> bool:
@@ -136,7 +138,7 @@ def verdicts_of_lines(stored: "StoredCases", law: Law) -> "xr.DataArray":
         values = np.full([ds.sizes[dim] for dim in others], UNDECIDED)
     else:
         observed = _without(ds[law.observable].transpose(*axes).values, _outside_the_law(ds, law))
-        values = by_line(law, observed, *_grid(ds, law, crossings(ds, law.axis)))
+        values = by_line(law, observed, _grid(ds, law, crossings(ds, law.axis)))
     return xr.DataArray(values, {dim: ds[dim] for dim in others}, others)
 
 
