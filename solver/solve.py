@@ -343,7 +343,7 @@ def between_ends(sol: Solution) -> EndsProblem:
     problem, trajectory = sol.problem, sol.trajectory
     if isinstance(problem, EndsProblem):
         return problem
-    far = trajectory.beta[:, -1] if trajectory.orbit is None else trajectory.orbit.at(problem.span[:, None])[0][:, 0]
+    far = trajectory.beta[:, -1] if trajectory.orbit is None else trajectory.orbit.far_angle
     return problem.with_end(far)
 
 

@@ -32,9 +32,9 @@ from ..numerics import arclength
 from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK
 from ..numerics.arrays import ALIKE, ASIDE, Array
 from ..numerics.roots import locate
-from ..orbits.boundary import Boundary, Path, boundary_of, height_scale, wrap
+from ..orbits.boundary import Boundary, Path, boundary_of, height_scale, nearest_angle, wrap
 from ..orbits.path_orbits import orbit_of
-from ..orbits.potential import TAU, slope, slope_rate
+from ..orbits.potential import slope, slope_rate
 from ..problem.dimensionless import EndsProblem
 from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
 from .branch_states import BranchState, begin_at, in_other_charts, rechart, steps_in_core
@@ -312,9 +312,7 @@ def crosses_saddle(state: BranchState) -> bool:
 def _off_saddle(boundary: Boundary, name: str) -> tuple[float, float]:
     """The "start" or the "end" less the saddle next to it, and that saddle."""
     angle = getattr(boundary, name)
-    off = (angle - boundary.saddles + np.pi) % TAU - np.pi
-    nearest = int(np.argmin(np.abs(off)))
-    saddle = float(boundary.saddles[nearest])
+    saddle, _ = nearest_angle(boundary.saddles, angle)
     return wrap(angle - saddle), saddle
 
 

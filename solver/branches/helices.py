@@ -9,7 +9,7 @@ import numpy as np
 
 from ..numerics.arrays import DOUBTFUL, NEGLIGIBLE, Array
 from ..numerics.roots import sign_changes
-from ..orbits.boundary import DOWN, UP, Boundary, Path, boundary_of, wrap
+from ..orbits.boundary import DOWN, UP, Boundary, Path, boundary_of, nearest_angle, wrap
 from ..orbits.potential import Loads, load_size, slope, slope_rate
 from ..orbits.variations import HelixVariations
 from .given_numbers import FREE, LOADS, Given, OrbitState, answer, parts_of, problem_after, problem_of
@@ -148,11 +148,11 @@ def _from_saddle(boundary: Boundary, path: Path, dbeta0: float, dbetaL: float) -
     """
     if not boundary.saddles.size:
         return path
-    saddle = boundary.saddles[np.abs(np.sin((boundary.saddles - boundary.start) / 2)).argmin()]
+    saddle, _ = nearest_angle(boundary.saddles, boundary.start)
     rate = -float(slope_rate(boundary.problem, np.array([saddle]))[0])
     if rate <= 0:
         return path
     fall = float(np.exp(-np.sqrt(rate) * boundary.problem.span[0]))
     a = fall * (dbetaL - dbeta0 * fall) / (1 - fall * fall)
     gap = -4 * a * (a - dbeta0)
-    return Path(float(saddle), float(np.sign(gap)), float(np.log(abs(gap))), path.leaving, path.turns) if gap else path
+    return Path(saddle, float(np.sign(gap)), float(np.log(abs(gap))), path.leaving, path.turns) if gap else path

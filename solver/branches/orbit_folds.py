@@ -28,9 +28,9 @@ import numpy as np
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
 from ..numerics.arrays import ALIKE, ASIDE, NEGLIGIBLE, ROUGHLY, SQUARE_LOST, Array
 from ..numerics.roots import REACH
-from ..orbits.boundary import boundary_of
+from ..orbits.boundary import boundary_of, nearest_angle
 from ..orbits.periodic_orbit import TIGHT, Pin, helix_half_waves, solve_orbit
-from ..orbits.potential import TAU, load_size, slope
+from ..orbits.potential import load_size, slope
 from ..problem.dimensionless import StartProblem
 from .family import as_given, numbers_with_names
 from .fold_tracing import Ahead, LinePoint, Point, change_within, point_on_line, with_no_side
@@ -198,10 +198,11 @@ class OrbitPoint(LinePoint):
 def _orbit_beside(saddle: Saddle, problem: StartProblem, y: float, given: Given) -> _StartedOrbit | None:
     """The orbit whose level is exp(y) above or below the saddle; None where this no longer exists."""
     boundary = boundary_of(problem.with_end(problem.beta0))
-    apart = np.abs((boundary.saddles - saddle.angle + TAU / 2) % TAU - TAU / 2)
-    if not apart.size or apart.min() > REACH:
+    if not boundary.saddles.size:
         return None
-    angle, deepest = float(boundary.saddles[np.argmin(apart)]), boundary.deepest
+    (angle, apart), deepest = nearest_angle(boundary.saddles, saddle.angle), boundary.deepest
+    if apart > np.sin(REACH / 2):
+        return None
     gap = saddle.sign * float(np.exp(max(y, deepest)))
     pin = np.array([angle]), np.array([gap]), np.array([max(deepest - y, 0.0)])
     over = float(problem.dbeta0[0]) ** 2 - gap - boundary.fall(angle, boundary.start)

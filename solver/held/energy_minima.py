@@ -82,7 +82,7 @@ def energy_minima(given: Given, helices: Sequence[float] = ()) -> list[EnergyMin
 
     None are sought where the numbers would leave the range of floats.
     """
-    pace = max(_pace(given), _taut_pace(given))
+    pace = max(_pace(given), taut_pace(given)[0])
     if not pace < _WILDEST:
         return []
     mesh = EnergyMesh.with_layers(_PANELS, _LAYER / (pace * given.span))
@@ -182,8 +182,8 @@ def _pace(given: Given) -> float:
     return float(np.hypot(np.sqrt(1 + loads), TAU / given.span))
 
 
-def _taut_pace(given: Given) -> float:
-    """The pace k of a rod whose ends are nearly as far apart as it is long.
+def taut_pace(given: Given) -> tuple[float, float]:
+    """The pace k of a rod whose ends are nearly as far apart as it is long, 0 where no rod reaches; the chord's angle.
 
     Under a tension k^2 the angle decays like exp(-k t) from that of each clamped end to that of the chord; an end at an
     angle d to it shortens the rod along it by (4/k) sin(d/4)^2.
@@ -192,7 +192,7 @@ def _taut_pace(given: Given) -> float:
     short, chord = given.span - float(np.hypot(height, azimuth)), float(np.arctan2(azimuth, height))
     angles = np.array([given.number(name, 0.0) for name in FREE[:2] if name in given.names])
     bent = np.remainder(angles - chord + np.pi, TAU) - np.pi
-    return 4 * float((np.sin(bent / 4) ** 2).sum()) / short if short > 0 else 0.0
+    return 4 * float((np.sin(bent / 4) ** 2).sum()) / short if short > 0 else 0.0, chord
 
 
 def simple_shapes(given: Given, u: Array, pace: float) -> list[Array]:

@@ -24,7 +24,7 @@ from ..nodes.shape_search import scan_one_unknown
 from ..nodes.vertical_scan import has_one_unknown
 from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import ALIKE, FAINT, Array
-from ..orbits.boundary import Boundary, Path, boundary_of, wrap
+from ..orbits.boundary import Boundary, Path, boundary_of, nearest_angle
 from ..orbits.potential import TAU
 from ..problem.dimensionless import EndsProblem
 from .held_moves import across_fold, angles_along, carry, deflate, settle, within_a_turn
@@ -226,7 +226,6 @@ def _path(path: Path, old: Boundary, new: Boundary, mirror: Mirror) -> Path:
     if path.pin in (old.start, old.end) and path.pin not in old.saddles:
         pin = ends[0] if path.pin == old.start else ends[1]
     else:
-        apart = np.abs(np.sin((new.saddles - wrap(mirror.angle(path.pin))) / 2))
-        pin = float(new.saddles[int(np.argmin(apart))])
+        pin, _ = nearest_angle(new.saddles, mirror.angle(path.pin))
     leaving = mirror.direction * (-path.direction_at_end if mirror.backward else path.leaving)
     return replace(path, pin=pin, leaving=leaving)

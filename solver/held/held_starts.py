@@ -21,7 +21,7 @@ from ..numerics.arrays import ASIDE, ROUGHLY
 from ..orbits.boundary import critical_points
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU
-from .energy_minima import EnergyMinimum
+from .energy_minima import EnergyMinimum, taut_pace
 from .held_moves import carry, settle
 from .held_sweep import dead_states
 
@@ -156,20 +156,9 @@ def _guesses(wanted: Given) -> list[dict[str, float]]:
 
 
 def _taut_loads(wanted: Given) -> dict[str, float]:
-    """The loads of a rod whose ends are nearly as far apart as it is long; none where that says nothing of them.
-
-    Under a tension k^2 the angle decays like exp(-k t) from that of each clamped end to that of the chord; an end at an
-    angle d to it shortens the rod along it by (4/k) sin(d/4)^2.
-    """
-    span, height, azimuth = wanted.span, wanted.number("z", 0.0), wanted.number("alpha", 0.0)
-    short, chord = span - float(np.hypot(height, azimuth)), float(np.arctan2(azimuth, height))
-    angles = np.array([wanted.number(name, 0.0) for name in FREE[:2] if name in wanted.names])
-    bent = np.remainder(angles - chord + np.pi, TAU) - np.pi
-    size = 4 * float((np.sin(bent / 4) ** 2).sum())
-    if not 0 < _LAYERS * short < size * span:
-        return {}
-    tension = (size / short) ** 2
-    return {"phi": tension * np.cos(chord), "lam": tension * np.sin(chord)}
+    """The loads of a rod whose ends are nearly as far apart as it is long; none where that says nothing of them."""
+    pace, chord = taut_pace(wanted)
+    return {"phi": pace**2 * np.cos(chord), "lam": pace**2 * np.sin(chord)} if pace * wanted.span > _LAYERS else {}
 
 
 def _next_to_helices(wanted: Given, guesses: list[dict[str, float]]) -> list[dict[str, float]]:

@@ -81,8 +81,7 @@ def _next_to(problem: EndsProblem, dbeta0: Array) -> Array:
     off, near = np.full(B, np.inf), known
     for _ in range(40):
         nudge = 1e-7 * np.maximum(1, np.abs(at))
-        orbit = solve_orbit(twice.with_start(np.concatenate([at, at + nudge])), TIGHT)
-        end = orbit.at(twice.span[:, None])[0][:, 0]
+        end = solve_orbit(twice.with_start(np.concatenate([at, at + nudge])), TIGHT).far_angle
         off = end[:B] - problem.betaL
         met = np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL))
         near = known & (np.abs(at - dbeta0) <= reach)

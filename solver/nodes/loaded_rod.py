@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..core.weight_friction import SIZE
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, integral
 from ..problem.case import IN_PLACE, Case
 from ..problem.case_fields import with_fields_unchecked
 from ..problem.dimensionless import StartProblem, dimensionless_problem, end_fields, end_values, flat, problem_at_ends
@@ -184,7 +184,7 @@ class LoadedRod:
         """Places from 0 to the span, and how many lengths on which the shape changes lie before each."""
         t = np.linspace(0, self.span, max(513, np.size(rubbed)))
         rate = self.rate(t, np.interp(t, np.linspace(0, self.span, np.size(rubbed)), np.ravel(rubbed)))
-        return t, np.concatenate([[0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(t))])
+        return t, integral(rate, t)
 
     def straight_states(self, nodes: Array) -> Array:
         """The state of the straight rod at the nodes, (N, 8); friction on it included."""

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import NEGLIGIBLE, Array, Booleans, whole_turns
+from ..numerics.arrays import NEGLIGIBLE, Array, Booleans, integral, whole_turns
 from ..numerics.roots import root
 from ..problem.case import ALONG_ITSELF
 from .banded_newton import correct
@@ -215,11 +215,6 @@ def positive_part(over: Array) -> Array:
     """F - 2 where it is positive, and nearly 0 elsewhere."""
     root = np.sqrt(over**2 + SOFT**2)
     return np.asarray(np.where(over > 0, (root + over) / 2, SOFT**2 / (2 * (root + np.abs(over)))))
-
-
-def integral(values: Array, t: Array) -> Array:
-    """From the first of t, (n,)."""
-    return np.concatenate([[0.0], np.cumsum((values[1:] + values[:-1]) / 2 * np.diff(t))])
 
 
 def places(rod: LoadedRod, nodes: Array) -> Array:

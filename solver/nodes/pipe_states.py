@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arrays import Array, Booleans, integral
 from ..orbits.potential import TAU
 from ..problem.case import ALONG_AXIS, ALONG_ITSELF, SIDES, Cylinder
 
@@ -64,7 +64,7 @@ def axial_force_along(wall: Cylinder, weight: float, FZ: float, s: Array, beta: 
     share = np.cos(beta) if way == ALONG_ITSELF else np.ones(beta.shape) if way == ALONG_AXIS else turning
     inclination, friction = (float(value or 0.0) for value in (wall.inclination, wall.friction))
     density = weight * np.cos(inclination) + sign * friction * push * share
-    added = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(s))])
+    added = integral(density, s)
     return np.asarray(FZ + added - added[-1])
 
 

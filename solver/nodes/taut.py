@@ -9,13 +9,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..numerics.arrays import NEGLIGIBLE, Array
+from ..numerics.arrays import NEGLIGIBLE, Array, integral
 from ..numerics.roots import REACH, ROUNDS
 from ..orbits.potential import Loads, slope, slope_rate
 from ..problem.case import ALONG_AXIS, ALONG_ITSELF
 from .banded_newton import correct
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q, rate_of_change
-from .local_waves import integral
 from .varying_shapes import Shape
 
 # on which the loads are summed, and the parts of the rod in which they are. x10: only time; parts so short that their

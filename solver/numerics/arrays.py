@@ -39,6 +39,11 @@ def whole_turns(angles: Any) -> Any:
     return 2 * np.pi * np.round(angles / (2 * np.pi))
 
 
+def integral(values: Array, t: Array) -> Array:
+    """The integral of values from the first of places t on, by trapezoids, (n,)."""
+    return np.concatenate([[0.0], np.cumsum((values[1:] + values[:-1]) / 2 * np.diff(t))])
+
+
 class Columns:
     """A dataclass whose arrays have a row for each of many: of problems, levels, panels. Other fields are of all."""
 

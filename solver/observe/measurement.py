@@ -250,8 +250,7 @@ class MeasuredNumbers:
     def end_angles(self) -> tuple[Any, Any]:
         """beta at the start and at the far end, (B,), where the method knows the orbit."""
         orbit = self.sol.trajectory.orbit
-        far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
-        return self.carry(orbit.problem.beta0, "beta0"), self.carry(far, "betaL")
+        return self.carry(orbit.problem.beta0, "beta0"), self.carry(orbit.far_angle, "betaL")
 
     @property
     def half_period(self) -> Any:

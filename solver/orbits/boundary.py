@@ -154,6 +154,13 @@ def wrap(beta: float) -> float:
     return beta - TAU if beta >= np.pi else beta
 
 
+def nearest_angle(angles: Array, angle: float) -> tuple[float, float]:
+    """That of some angles which is nearest to an angle, full turns aside, and the sine of half the way to it."""
+    apart = np.abs(np.sin((angles - angle) / 2))
+    nearest = int(np.argmin(apart))
+    return float(angles[nearest]), float(apart[nearest])
+
+
 @dataclass(frozen=True, eq=False)
 class Boundary:
     """One ends problem (of size 1) and the critical points of its G.
@@ -218,10 +225,8 @@ class Boundary:
         Saddles of the same loads, computed in two ways, differ in their last digit. Next to a saddle the root of a gap
         is less than that, so a level above another angle is another orbit.
         """
-        pins = np.append(self.angles, [self.low, self.high])
-        apart = np.abs(np.sin((pins - pin) / 2))
-        nearest = int(np.argmin(apart))
-        return float(pins[nearest]) if apart[nearest] < MOVED else pin
+        nearest, apart = nearest_angle(np.append(self.angles, [self.low, self.high]), pin)
+        return nearest if apart < MOVED else pin
 
     def with_pin(self, pin: float) -> "Boundary":
         """A boundary whose levels are measured from one angle, one of `own_pin`."""

@@ -154,8 +154,7 @@ def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, ste
     if not lengthens.size:
         return None
     orbit, level = solve_orbits(problem, boundary, paths, lengthens)
-    far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
-    good = np.abs(far - problem.betaL[0]) < np.maximum(ALIKE, np.minimum(_end_rounding(orbit), 0.1))
+    good = np.abs(orbit.far_angle - problem.betaL[0]) < np.maximum(ALIKE, np.minimum(_end_rounding(orbit), 0.1))
     lost = roots.lost + int(np.count_nonzero(~good))
     if not good.any():
         return None

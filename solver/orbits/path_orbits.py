@@ -147,7 +147,7 @@ def path_from_start(problem: EndsProblem, dbeta0: float) -> Path | None:
     """
     orbit = solve_orbit(problem.with_start(np.array([dbeta0])), TIGHT)
     # an orbit that ends farther from beta(L) [rad] is not that of an equilibrium
-    if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > ALIKE:
+    if abs(float(orbit.far_angle[0] - problem.betaL[0])) > ALIKE:
         return None
     boundary = boundary_of(problem)
     if orbit.kind[0] == HELIX:
@@ -160,7 +160,7 @@ def path_from_start(problem: EndsProblem, dbeta0: float) -> Path | None:
 def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: float) -> Trajectory:
     """The orbits of K ends problems at stations t (K, n); their error is that of beta(L)."""
     condition = response(orbit)[0] if orbit.response is None else orbit.response
-    return trajectory_on(orbit, t, np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL), condition, tol)
+    return trajectory_on(orbit, t, np.abs(orbit.far_angle - problem.betaL), condition, tol)
 
 
 def trajectory_on(orbit: Orbit, t: Array, miss: Array, condition: Array, tol: float) -> Trajectory:
@@ -177,8 +177,7 @@ def trajectory_on(orbit: Orbit, t: Array, miss: Array, condition: Array, tol: fl
 
 def _swept(orbit: Orbit) -> Array:
     """By how much beta changes where the length and the far angle double [rad], (K,)."""
-    span = orbit.problem.span
-    return np.asarray(np.abs(orbit.at(span[:, None])[0][:, 0]) + orbit.fastest * span)
+    return np.asarray(np.abs(orbit.far_angle) + orbit.fastest * orbit.problem.span)
 
 
 def together(answers: Sequence[Trajectory | str], t: Array) -> Trajectory:

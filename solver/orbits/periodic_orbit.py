@@ -77,6 +77,15 @@ class Periodic(ABC):
     def back(self) -> Array:
         """Time from the turning point behind to the start; 0 in a rotation, (B,)."""
 
+    @abstractmethod
+    def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
+        """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
+
+    @cached_property
+    def far_angle(self) -> Array:
+        """beta at the far ends of the rods, (B,)."""
+        return self.at(self.problem.span[:, None])[0][:, 0]
+
     @cached_property
     def period(self) -> Array:
         """Period of beta_t, (B,); inf on a helix."""
