@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .branches.given_numbers import Given
-from .branches.parameter_plane import read_range
 from .equilibria_result import Equilibria, Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
 from .held.energy_minima import is_turned_round
 from .held.equilibrium_choice import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
@@ -25,6 +24,7 @@ from .problem.case_fields import value_of, with_field
 from .problem.declared_fields import PAIRS
 from .problem.dimensionless import NUMBER_OF, EndsProblem, fields_held, reduce, reduce_held, span_of, value_of_number
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_known, check_tolerance, choices, whole_number
+from .problem.field_values import read_range
 from .problem.limits import OUT_OF_RANGE, beyond_limits, ends_and_span, reason_beyond, refusals, too_far, units_held
 from .problem.trajectory import Trajectory
 from .solution import Solution

@@ -16,7 +16,7 @@ from .branches.fold_tracing import point_on_line
 from .branches.linked_folds import IsKnown, Meeting, lattice_ticks, place_on, search_linked
 from .branches.orbit_folds import GivenAt, guess_at, mark_of, numbers_on
 from .branches.orbit_rates import NUMBERS
-from .branches.parameter_plane import ParameterPlane, read_range, reflect
+from .branches.parameter_plane import ParameterPlane, reflect
 from .branches.path_correction import state_of
 from .branches.whole_curve import WholeCurve, fold_alone
 from .equilibria import default_ranges, equilibria
@@ -36,6 +36,7 @@ from .orbits.boundary import path_of
 from .orbits.potential import load_size
 from .problem.case_fields import value_of
 from .problem.errors import InputError, check_type, choices, whole_number
+from .problem.field_values import read_range
 from .solve import between_ends
 
 

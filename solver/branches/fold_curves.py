@@ -10,6 +10,7 @@ import numpy as np
 from ..numerics.arrays import Array, Booleans
 from ..problem.case import Case
 from ..problem.errors import InputError, show
+from ..problem.field_values import floats_in
 from .fold_lattice import Searched
 from .parameter_plane import ParameterPlane
 from .whole_curve import PIECES, WholeCurve, change_along, without_zeros
@@ -93,10 +94,7 @@ class FoldCurves:
 
     def _shares(self, values: Any) -> Array:
         """The shares of a point (2,). Raises `InputError` for what is no point."""
-        try:
-            point = np.asarray(values, dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            point = np.empty(0)
+        point = floats_in(values)
         if point.shape != (2,) or not np.isfinite(point).all():
             raise InputError(f"a point is a value of {self.names[0]} and one of {self.names[1]}, got {show(values)}")
         return self.searched.plane.shares(point)

@@ -9,10 +9,9 @@ import numpy as np
 from ..numerics.arrays import ASIDE, Array
 from ..problem.case import Case, Ends, refuse_leaving
 from ..problem.case_fields import check_fields, with_fields
-from ..problem.declared_fields import ANGLES
 from ..problem.dimensionless import ACTING, EndsProblem, field_rates, fields_held, reduce
-from ..problem.errors import InputError, choices, show
-from ..problem.field_values import angle
+from ..problem.errors import InputError, choices
+from ..problem.field_values import read_range
 
 Numbers = TypeVar("Numbers")  # a dataclass
 
@@ -127,14 +126,3 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
         if not moved[:, :, k].any():
             raise InputError(f"no equilibrium depends on {name}; choose another field")
     return plane
-
-
-def read_range(name: str, given: Any) -> tuple[float, float]:
-    """The two ends of a range. Raises `InputError`."""
-    try:
-        low, high = (angle(v) if isinstance(v, str) and name in ANGLES else float(v) for v in given)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"the range of {name} must be two numbers (from, to), got {show(given)}") from None
-    if not np.isfinite([low, high]).all() or not low < high:
-        raise InputError(f"the range of {name} must be two finite numbers, the first lower, got {show(given)}")
-    return low, high

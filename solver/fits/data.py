@@ -11,9 +11,10 @@ from ..numerics.arrays import Array
 from ..observe.observable_rates import check_observables
 from ..observe.observables import OBSERVABLES, is_count
 from ..problem.case import SLIDING, Case
+from ..problem.dimensionless import natural_unit
 from ..problem.errors import InputError, check_known, choices, known_name, no_such, show
+from ..problem.field_values import floats_in
 from ..problem.quantities import current, quantity
-from .parameters import natural_unit
 
 COLUMNS = ("alpha", "z", "beta")  # what is measured at a point
 DISTANCE = "distance"  # of points without arc length
@@ -161,23 +162,17 @@ def _columns(points: Any) -> tuple[dict[str, Array], Array | None]:
 
 
 def _array(name: str, values: Any) -> Array:
-    try:
-        numbers = np.asarray(values, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"the column {name} of the points must hold numbers, got {values!r:.60}") from None
+    numbers = floats_in(values)
     if numbers.ndim != 1 or not numbers.size or not np.isfinite(numbers).all():
-        raise InputError(f"the column {name} of the points must be a list of finite numbers, got shape {numbers.shape}")
+        raise InputError(f"the column {name} of the points must be a list of finite numbers, got {values!r:.60}")
     return numbers
 
 
 def _number(what: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = np.nan
-    if not np.isfinite(number):
+    number = floats_in(value)
+    if number.ndim or not np.isfinite(number):
         raise InputError(f"{what} must be a finite number, got {show(value)}")
-    return number
+    return float(number)
 
 
 def _sigmas(
@@ -190,10 +185,7 @@ def _sigmas(
     sigmas: dict[str, Any] = {}
     for name, value in sigma.items():
         count = 1 if name in targets else columns[name].size
-        try:
-            numbers = np.asarray(value, dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            numbers = np.array(np.nan)
+        numbers = floats_in(value)
         if numbers.shape not in ((), (count,)) or not (np.isfinite(numbers) & (numbers > 0)).all():
             shape = "a positive number" if name in targets else f"a positive number, or {count} of them"
             raise InputError(f"sigma of {name} must be {shape}, got {value!r:.60}")
@@ -207,4 +199,4 @@ def scale_of(case: Case, name: str, value: float) -> float:
     """The error of a target that counts as 1 where none is known: its size, or the natural unit of the case."""
     observable = target_parts(name)[0]
     quantity(observable)
-    return abs(value) or natural_unit(case, observable)
+    return abs(value) or float(natural_unit(case, observable)[0])

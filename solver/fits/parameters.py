@@ -10,9 +10,9 @@ from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.case_fields import check_fields, value_of
 from ..problem.declared_fields import POSITIVE, RANGES
-from ..problem.errors import InputError, choices, names_of, show
-from ..problem.field_values import angle
-from ..problem.quantities import quantity
+from ..problem.dimensionless import natural_unit
+from ..problem.errors import InputError, choices, names_of
+from ..problem.field_values import read_range
 
 # starts of a positive field without bounds: from its value over this to its value times this. x10: starts that have no
 # shape
@@ -89,13 +89,13 @@ def _parameter(case: Case, name: str, bounds: Any) -> Parameter:
     first = value_of(case, name)
     low, high = limits = _limits(case, name)
     if bounds is not None:
-        given = _numbers(name, bounds)
+        given = read_range(name, bounds, "bounds")
         if name in POSITIVE and given[0] <= 0:
             raise InputError(f"the bounds of {name} must be positive, got {given[0]:g} to {given[1]:g}")
         if np.isfinite(limits).all() and not (low <= given[0] and given[1] <= high):
             raise InputError(f"the bounds of {name} must lie in {low:g} to {high:g}, got {given[0]:g} to {given[1]:g}")
         low, high = given
-    natural = natural_unit(case, name)
+    natural = float(natural_unit(case, name)[0])
     if name in POSITIVE:
         return Parameter(name, low, high, first, 0.0, float(np.log(_SPREAD)))
     scale = max(abs(first), 1e-3 * natural) if first else natural
@@ -110,25 +110,6 @@ def _limits(case: Case, name: str) -> tuple[float, float]:
             raise InputError(f"a fit cannot begin at inner_radius = 0, {why}")
         return 0.0, float(case.rod.a)
     return (float(RANGES[name].low), RANGES[name].high) if name in RANGES else (-np.inf, np.inf)
-
-
-def _numbers(name: str, bounds: Any) -> tuple[float, float]:
-    try:
-        low, high = (angle(bound) if isinstance(bound, str) else float(bound) for bound in bounds)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"the bounds of {name} must be two numbers, low and high, got {show(bounds)}") from None
-    if not low < high:
-        raise InputError(f"the bounds of {name} must rise, got {low:g} to {high:g}")
-    return low, high
-
-
-def natural_unit(case: Case, name: str) -> float:
-    """The unit of a quantity in terms of rho and A/rho^2, in the units of the case."""
-    rho, A = float(case.rho), float(case.rod.bending_stiffness)
-    dimension = quantity(name).dimension
-    if isinstance(dimension, str):
-        return 1 / rho if dimension == "rad/length" else 1.0
-    return rho ** dimension[0] * (A / rho**2) ** dimension[1]
 
 
 def values_at(parameters: Sequence[Parameter], x: Array) -> dict[str, float]:

@@ -16,8 +16,7 @@ from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..orbits.frames import binormal, outward
 from ..orbits.loop_orbits import MOST_PLACES
 from ..orbits.shape_arrays import ShapeArrays
-from ..problem.dimensionless import flat
-from ..problem.quantities import quantity
+from ..problem.dimensionless import flat, natural_unit
 from .measurement import MIDDLE
 
 # rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length. x10: small
@@ -304,7 +303,7 @@ def free_numbers(sol: ShapeArrays, names: Iterable[str]) -> dict[str, tuple[Arra
     The value is that of the finest mesh, and what the order 2 leaves; of edges of contacts that of the finest mesh.
     """
     case = sol.case
-    A, rho, a = (flat(value, case.shape) for value in (case.rod.bending_stiffness, case.rho, case.rod.a))
+    rho, a = (flat(value, case.shape) for value in (case.rho, case.rod.a))
     E = np.nan if case.rod.E is None else flat(case.rod.E, case.shape)
     readings = [
         [FreeReading(shape, a[i] / rho[i]) for shape in answer.shapes]
@@ -313,9 +312,7 @@ def free_numbers(sol: ShapeArrays, names: Iterable[str]) -> dict[str, tuple[Arra
     numbers = {}
     for name in names:
         pairs = np.array([_limit(name, reads) for reads in readings])
-        dimension = quantity(name).dimension
-        length, force = dimension if isinstance(dimension, tuple) else (0, 0)
-        unit = E * a / rho if name == "bending_stress_max" else rho ** float(length) * (A / rho**2) ** float(force)
+        unit = E * a / rho if name == "bending_stress_max" else natural_unit(case, name)
         numbers[name] = pairs[:, 0] * unit, pairs[:, 1] * unit
         if name in LOADS:
             load, sign = LOADS[name]

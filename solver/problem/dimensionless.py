@@ -209,11 +209,18 @@ def size_of_field(case: Case, name: str, unit: Any = None) -> Array:
     name: of the field, or of its quantity. unit: the length of which, and of A, the dimension is made; default: L.
     """
     size = np.abs(flat(values_of(case, name), case.shape))
-    unit, A = (flat(value, case.shape) for value in (case.rod.L if unit is None else unit, case.rod.bending_stiffness))
+    if name in (*POSITIVE, "inner_radius"):
+        return size
+    return np.maximum(size, natural_unit(case, name, case.rod.L if unit is None else unit))
+
+
+def natural_unit(case: Case, name: str, unit: Any = None) -> Array:
+    """The unit of a quantity that a length and A make, (B,). unit: this length; default: rho."""
+    unit, A = (flat(value, case.shape) for value in (case.rho if unit is None else unit, case.rod.bending_stiffness))
     dimension = quantity(AT_START.get(name, name)).dimension
     length, force = dimension if not isinstance(dimension, str) else (-1 if "length" in dimension else 0, 0)
-    natural = unit ** float(length) * (A / unit**2) ** float(force)
-    return size if name in (*POSITIVE, "inner_radius") else np.maximum(size, natural)
+    natural: Array = unit ** float(length) * (A / unit**2) ** float(force)
+    return natural
 
 
 def reduce_held(case: Case) -> HeldProblem:

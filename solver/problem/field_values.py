@@ -128,6 +128,29 @@ def numbers_in_place(values: Mapping[str, Any]) -> dict[str, Any]:
     return read
 
 
+def floats_in(value: Any) -> NDArray[np.float64]:
+    """A value as an array of floats; NaN alone in place of one that holds what is no number."""
+    try:
+        return np.asarray(value, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        return np.array(np.nan)
+
+
+def read_range(name: str, given: Any, what: str = "range") -> tuple[float, float]:
+    """The two ends of a range of a field; angles may be texts. Raises `InputError`.
+
+    what: how a refusal calls it; "bounds" may be infinite.
+    """
+    try:
+        low, high = (angle(v) if isinstance(v, str) and name in ANGLES else float(v) for v in given)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"the {what} of {name} must be two numbers (from, to), got {show(given)}") from None
+    finite = "" if what == "bounds" else "finite "
+    if not low < high or (finite and not np.isfinite([low, high]).all()):
+        raise InputError(f"the {what} of {name} must be two {finite}numbers, the first lower, got {show(given)}")
+    return low, high
+
+
 def in_rad(values: NDArray[Any]) -> NDArray[Any]:
     """An array of objects with each text replaced by its angle. Raises `ValueError`."""
     read = [angle(element) if isinstance(element, str) else element for element in values.flat]
