@@ -100,18 +100,17 @@ def solve(
     case = check_case("solve", case)
     tol = check_tolerance((FREE_TOLERANCE if case.leaves else DEFAULT_TOLERANCE) if tol is None else tol)
     if case.leaves:
-        question = _beside(case, tol, method, knobs, stations, seed, choose)
-        return FreeSolution(case, *answer_each(question, case, _blank_answer), question.t, question.name, tol)
-    if case.varies:
-        question = _question_on_nodes(case, tol, method, knobs, stations, seed, choose)
-    elif fields_held(case):
-        question = _question_of_held_ends(case, tol, method, knobs, stations, seed, choose)
+        question_of = _question_beside_wall
+    elif case.varies:
+        question_of = _question_on_nodes
     else:
-        question = _constant(case, tol, method, knobs, stations, seed, choose)
-    return Solution(case, *answer_each(question, case, _blank_answer), question.t, question.name, tol)
+        question_of = _question_of_held_ends if fields_held(case) else _question_under_dead_loads
+    question = question_of(case, tol, method, knobs, stations, seed, choose)
+    kind = FreeSolution if case.leaves else Solution
+    return kind(case, *answer_each(question, case, _blank_answer), question.t, question.name, tol)
 
 
-def _constant(
+def _question_under_dead_loads(
     case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
 ) -> Question:
     """What is asked of a start problem, or of an ends problem under dead loads."""
@@ -137,7 +136,7 @@ def _constant(
     return Question(column, t, seed, chosen.name)
 
 
-def _beside(
+def _question_beside_wall(
     case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
 ) -> Question:
     """What is asked of rods that may leave the cylinder: a minimum of the energy."""

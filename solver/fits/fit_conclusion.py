@@ -1,6 +1,7 @@
 """From the minima of a search to the result of a fit, and its words: the outcome, the intervals, what limits it."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy import special
@@ -38,20 +39,23 @@ FAR = 0.5
 def result(model: Model, minima: Sequence[FitMinimum]) -> Fit:
     """The result; minima: what a search found, the best one first, or none where there was no value at all."""
     if not minima:
-        return _empty_fit(model)
+        why = f"most often: {model.refused.most_common(1)[0][0]}"
+        return replace(
+            _empty_fit(model), outcome=f"failed: at none of the values tried the data can be computed, {why}"
+        )
     best, data, parameters = minima[0], model.data, model.parameters
     known = uncertainty(parameters, best.x, best.jacobian, best.found.residuals, data.known, best.free)
     names = [parameter.name for parameter in parameters]
     directions = [_in_units(model, way) for way in known.directions]
     others = tuple(_others(model, minima, known))
-    back = data.as_given
     exact = not data.known and known.freedom <= 0
     tested = data.known and known.freedom > 0
     probability = float(special.chdtrc(known.freedom, 2 * best.cost)) if tested else np.nan
     with np.errstate(invalid="ignore", divide="ignore"):
         spread = np.sqrt(np.diag(known.covariance))
         correlation = known.covariance / np.outer(spread, spread)
-    return Fit(
+    return replace(
+        _empty_fit(model),
         outcome=_outcome(model, best, directions, probability),
         reached=_miss_of(model, best) == "",
         values=values_at(parameters, best.x),
@@ -61,11 +65,9 @@ def result(model: Model, minima: Sequence[FitMinimum]) -> Fit:
         correlation=correlation,
         condition=known.condition,
         directions=directions,
-        shares={name: row[back] for name, row in zip(names, known.shares, strict=True)},
-        groups=tuple(data.groups),
-        measured=data.measured[back],
-        computed=best.found.computed[back],
-        residuals=best.found.residuals[back],
+        shares={name: row[data.as_given] for name, row in zip(names, known.shares, strict=True)},
+        computed=best.found.computed[data.as_given],
+        residuals=best.found.residuals[data.as_given],
         feet=_feet(model, best),
         cost=best.cost,
         freedom=known.freedom,
@@ -74,20 +76,17 @@ def result(model: Model, minima: Sequence[FitMinimum]) -> Fit:
         remarks=tuple(_remarks(model, best, directions, correlation, probability, others, exact)),
         case=best.found.sol.case,
         solution=best.found.sol,
-        solves=model.solves,
-        derivatives=model.derivatives,
     )
 
 
 def _empty_fit(model: Model) -> Fit:
-    """The result where the data cannot be computed at any of the values tried."""
+    """The result before anything is known of the values."""
     F, N = len(model.parameters), model.data.size
     empty, nothing = np.full((F, F), np.nan), np.full(N, np.nan)
     names = [parameter.name for parameter in model.parameters]
-    why = model.refused.most_common(1)[0][0]
     return Fit(
-        outcome=f"failed: at none of the values tried the data can be computed, most often: {why}", reached=True,
-        values=dict.fromkeys(names, np.nan), intervals=dict.fromkeys(names, (np.nan, np.nan)), rule="",
+        outcome="", reached=True, values=dict.fromkeys(names, np.nan),
+        intervals=dict.fromkeys(names, (np.nan, np.nan)), rule="",
         covariance=empty, correlation=empty, condition=np.inf, directions=[],
         shares={name: nothing for name in names}, groups=tuple(model.data.groups),
         measured=model.data.measured[model.data.as_given], computed=nothing, residuals=nothing, feet=None, cost=np.inf,

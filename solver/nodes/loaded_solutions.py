@@ -65,46 +65,17 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     friction = numbers[:, 3].copy()
     rough = np.abs(friction) > ROUGHEST
     numbers[rough, 3] = 0.0  # another rod in its place
-    B, n = t.shape
-    span, alpha0 = problem.span, begin[:, ALPHA]
-    weight = np.sqrt(np.abs(begin[:, SPEED]) + scale[:, 4])
-
-    def march_with_errors(rows: Any, truncation: Array | float) -> tuple[March, Array, Array]:
-        first, stations = n * np.arange(span[rows].size + 1), t[rows].reshape(-1)
-        marched = march(
-            numbers[rows],
-            scale[rows],
-            begin[rows],
-            span[rows],
-            BY_ANGLE,
-            first,
-            stations,
-            judge=True,
-            truncation=truncation,
-        )
-        with np.errstate(invalid="ignore"):
-            condition = np.maximum(1, np.maximum(marched.growth[:, BETA], weight[rows] * marched.growth[:, SPEED]))
-            off = np.maximum(marched.errors[:, 0], marched.errors[:, 1] / np.maximum(1, span[rows]))
-        error = SAFETY * off + ROUNDING * (condition + span[rows] * scale[rows, SPEED])
-        return marched, np.where(np.isfinite(error), error, np.inf), condition
-
-    left_out = np.clip(SHARE * tol / np.maximum(1, span * scale[:, MU]), TRUNCATION, COARSEST)
-    marched, error, condition = march_with_errors(slice(None), left_out[:, None])
-    y, end = marched.out.reshape(SIZE, B, n), marched.end
-    rows = np.flatnonzero((error > tol) & (left_out > TRUNCATION))
-    if rows.size:
-        enough = np.maximum(TRUNCATION, 0.2 * left_out[rows] * tol / error[rows])
-        finer, error[rows], condition[rows] = march_with_errors(rows, enough[:, None])
-        y[:, rows], end[rows], marched.steps[rows] = finer.out.reshape(SIZE, -1, n), finer.end, finer.steps
-    read = read_starts(y, t, alpha0, numbers[:, 0] * end[:, MU])
+    marched, error, condition = _march_to_tolerance(problem.span, numbers, begin, scale, t, tol)
+    y, end = marched.out.reshape(SIZE, *t.shape), marched.end
+    read = read_starts(y, t, begin[:, ALPHA], numbers[:, 0] * end[:, MU])
     solved, outcome = verdicts(read["beta"], error, condition, tol)
     for i in np.flatnonzero(~(condition < 1 / SQUARE_LOST)):
         endless = marched.steps[i] > MOST_STEPS
         load = "weight" if np.any(numbers[i, 1:3]) else "friction"
         why = f"failed: the march did not end within {MOST_STEPS} steps" if endless else outcome[i]
         outcome[i] = f"{why}; a long rod with {load} is an ends problem: give Ends in place of Start"
-    shapes = VaryingShapes(Marched(numbers, scale, begin, span, marched.steps), *np.full((2, B), np.nan))
-    far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], span, problem.beta0, problem.dbeta0)
+    shapes = VaryingShapes(Marched(numbers, scale, begin, problem.span, marched.steps), *np.full((2, len(t)), np.nan))
+    far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], problem.span, problem.beta0, problem.dbeta0)
     answer = Trajectory(
         **read,
         solved=solved,
@@ -118,6 +89,36 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
         why = [f"failed: {why_too_rough(value)}" for value in friction.tolist()]
         answer = blank(answer, ~rough, np.array(why, dtype=object))
     return far, answer
+
+
+def _march_to_tolerance(
+    span: Array, numbers: Array, begin: Array, scale: Array, t: Array, tol: float
+) -> tuple[March, Array, Array]:
+    """The march of start problems to stations t (B, n), their errors and their condition numbers, (B,) each.
+
+    A rod whose error is above the tolerance is marched again, with shorter steps.
+    """
+    n, weight = t.shape[1], np.sqrt(np.abs(begin[:, SPEED]) + scale[:, 4])
+
+    def march_with_errors(rows: Any, truncation: Array) -> tuple[March, Array, Array]:
+        rods, stations = (numbers[rows], scale[rows], begin[rows], span[rows]), t[rows].reshape(-1)
+        first = n * np.arange(len(rods[0]) + 1)
+        marched = march(*rods, BY_ANGLE, first, stations, judge=True, truncation=truncation[:, None])
+        with np.errstate(invalid="ignore"):
+            condition = np.maximum(1, np.maximum(marched.growth[:, BETA], weight[rows] * marched.growth[:, SPEED]))
+            off = np.maximum(marched.errors[:, 0], marched.errors[:, 1] / np.maximum(1, span[rows]))
+        error = SAFETY * off + ROUNDING * (condition + span[rows] * scale[rows, SPEED])
+        return marched, np.where(np.isfinite(error), error, np.inf), condition
+
+    left_out = np.clip(SHARE * tol / np.maximum(1, span * scale[:, MU]), TRUNCATION, COARSEST)
+    marched, error, condition = march_with_errors(slice(None), left_out)
+    rows = np.flatnonzero((error > tol) & (left_out > TRUNCATION))
+    if rows.size:
+        enough = np.maximum(TRUNCATION, 0.2 * left_out[rows] * tol / error[rows])
+        finer, error[rows], condition[rows] = march_with_errors(rows, enough)
+        marched.out.reshape(SIZE, -1, n)[:, rows] = finer.out.reshape(SIZE, -1, n)
+        marched.end[rows], marched.steps[rows] = finer.end, finer.steps
+    return marched, error, condition
 
 
 def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = None) -> tuple[EndsProblem, Trajectory]:

@@ -99,21 +99,10 @@ def of_nodes(sol: ShapeArrays, cases: Integers, until: float = 1.0) -> SolutionP
         values = shape.local_values(shape.between(x.nodes))
         share = np.clip((until * shape.t[-1] - shape.t[:-1]) / np.diff(shape.t), 0, 1)
         row = np.flatnonzero(share > 0)
-        ones, share = np.ones(row.size), share[row]
+        ones, share, time = np.ones(row.size), share[row], np.diff(shape.t)[row]
         series = through(values.reshape(-1, NODES), x.analyse).reshape(values.shape)
-        parts.append(
-            SolutionPieces(
-                problem,
-                series,
-                np.full(row.size, k),
-                row,
-                -ones,
-                2 * share - 1,
-                share * np.diff(shape.t)[row],
-                ones,
-                shape.t[row],
-            )
-        )
+        columns = np.full(row.size, k), row, -ones, 2 * share - 1, share * time, ones, shape.t[row]
+        parts.append(SolutionPieces(problem, series, *columns))
     return join_pieces(parts, problem)
 
 
