@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,16 @@ from .held.held_equilibrium import trajectory_between, way_between_hinges
 from .held.held_reach import Reached
 from .held.held_search import MOST_PERIODS, TRIES, FoundStates, search_equilibria
 from .held.held_sweep import ranges_of
-from .nodes.loaded_rod import rods_of
-from .nodes.loaded_solutions import answer_ends
+from .nodes.loaded_rod import LoadedRod, rods_of
+from .nodes.loaded_solutions import answer_ends, way_of, why_unsolved
+from .nodes.shape_search import GRID, HEAVIEST, MOST_NODES, FoundShapes, scan_one_unknown, search_shapes
+from .nodes.vertical_scan import has_one_unknown
 from .numerics.arrays import Array
+from .observe.measurement import MeasuredNumbers
+from .observe.observables import OBSERVABLES
+from .orbits.boundary import repeat
+from .orbits.level_search import search_levels
+from .orbits.path_orbits import equilibrium_trajectory
 from .problem.case import Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
 from .problem.declared_fields import PAIRS
@@ -28,9 +35,6 @@ from .problem.field_values import read_range
 from .problem.limits import OUT_OF_RANGE, beyond_limits, ends_and_span, reason_beyond, refusals, too_far, units_held
 from .problem.trajectory import Trajectory
 from .solution import Solution
-
-if TYPE_CHECKING:
-    from .nodes.shape_search import FoundShapes
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
 
@@ -124,12 +128,6 @@ def equilibria(
 
 def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int | None) -> Equilibria:
     """All equilibria of one case under dead loads."""
-    from .observe.measurement import MeasuredNumbers
-    from .observe.observables import OBSERVABLES
-    from .orbits.boundary import repeat
-    from .orbits.level_search import search_levels
-    from .orbits.path_orbits import equilibrium_trajectory
-
     problem = reduce(case)
     assert isinstance(problem, EndsProblem)
     if why := refusals(case, problem)[0]:
@@ -309,11 +307,6 @@ def without_weight(case: Case) -> Case:
 
 def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
     """The equilibria of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
-    from .nodes.loaded_rod import rods_of
-    from .nodes.loaded_solutions import why_unsolved
-    from .nodes.shape_search import GRID, HEAVIEST, MOST_NODES, scan_one_unknown, search_shapes
-    from .nodes.vertical_scan import has_one_unknown
-
     (rod,) = rods_of(case)
     if rod.has_friction:
         raise InputError("equilibria of a rod with friction are not searched for; solve gives one of them")
@@ -329,12 +322,22 @@ def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
     follows = not fields_held(case) and rod.nodes().size <= MOST_NODES
     light = equilibria(without_weight(case), tol, FINE) if follows else []
     result = search_shapes(rod, [equilibrium.solution for equilibrium in light], scan)
+    remark = _remark_on_search(rod, result, len(light) if follows else None, scan is not None)
+    return Equilibria(_list_of_shapes(case, result, tol, stations), remark)
+
+
+def _remark_on_search(rod: LoadedRod, result: FoundShapes, light: int | None, is_vertical: bool) -> str:
+    """What was searched for the equilibria of a rod with weight, and what is known to be missing.
+
+    light: the number of equilibria without weight that were followed; None without that. is_vertical: whether a scan
+    might have told all.
+    """
     ways = ["from the straight rod"]
-    if follows:
-        ways.append(f"from {len(light)} equilibria without weight, which grows to {HEAVIEST:g} times this one")
-    ways += ["by a scan of the start"] * bool(result.scanned or scan) + ["by deflation"]
+    if light is not None:
+        ways.append(f"from {light} equilibria without weight, which grows to {HEAVIEST:g} times this one")
+    ways += ["by a scan of the start"] * (result.scanned is not None or is_vertical) + ["by deflation"]
     said = [f"not proved complete: searched {', '.join(ways[:-1])}, and {ways[-1]}"]
-    if scan is not None:
+    if is_vertical:
         said.append("the far end of this vertical rod hangs too finely on its start for a scan that tells all")
     elif not result.scanned:
         said.append(
@@ -351,13 +354,11 @@ def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
     if ends and "azimuth" not in rod.held:
         wrong = "" if count == 1 else ", so some are missing"
         said.append(f"counted with (-1)^index they add up to {count}, by degree to 1{wrong}")
-    return Equilibria(_list_of_shapes(case, result, tol, stations), "; ".join(said))
+    return "; ".join(said)
 
 
-def _list_of_shapes(case: Case, result: "FoundShapes", tol: float, stations: int) -> list[Equilibrium]:
+def _list_of_shapes(case: Case, result: FoundShapes, tol: float, stations: int) -> list[Equilibrium]:
     """The equilibria of the shapes that a search found, lowest energy first."""
-    from .nodes.loaded_solutions import answer_ends, way_of
-
     t = span_of(case)[:, None] * np.linspace(0, 1, stations)
     listed = []
     for shape, index, how in zip(result.shapes, result.index, result.how, strict=True):

@@ -3,14 +3,28 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .branches.branch_events import Bounds, Place, Stop
+from .branches.branch_following import branch_through
+from .branches.family import end_numbers, exchange, family_of
+from .branches.path_correction import settle
 from .follow_result import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
+from .held.equilibrium_choice import path_of_seed
+from .nodes.constant_loads import end_numbers as end_numbers_of_shape
+from .nodes.constant_loads import shape_of_solution
+from .nodes.loaded_rod import rods_of
+from .nodes.loaded_solutions import answer_ends, curve_over, way_of
+from .nodes.node_branch import shapes_through
+from .nodes.varying_shapes import Shape
 from .numerics.arclength import CLOSED, END, FOLD, POINTS
 from .numerics.arrays import Array, whole_turns
+from .orbits.boundary import Path
+from .orbits.joined_orbits import join_answers
+from .orbits.path_orbits import equilibrium_trajectory, orbits_of_paths
 from .problem.case import Case, Ends, refuse_leaving
 from .problem.case_fields import fields_of, of_quantity, value_of, with_field
 from .problem.declared_fields import ANGLES, PAIRS
@@ -21,10 +35,6 @@ from .problem.notices import is_called_by_a_program, warn
 from .problem.trajectory import Trajectory
 from .solution import Solution
 from .solve import as_seed, between_ends, ends_case, start_solution
-
-if TYPE_CHECKING:
-    from .branches.branch_events import Bounds, Place, Stop
-    from .orbits.boundary import Path
 
 # of the size of a field: the range of a branch, of which a share of 4e-15 is taken for rounding. x10: a field is
 # located to 4e-6 of its size only
@@ -74,9 +84,6 @@ def follow(solution: Solution, *, points: int = POINTS, **field: ArrayLike) -> B
     >>> float(branch.values[-1]), branch.end.reason
     (-4.0, 'the end of the range')
     """
-    from .branches.branch_events import Bounds
-    from .branches.family import exchange
-
     solution = _check(solution)
     case = ends_case(solution)
     name, goals = _field_and_values(case, field)
@@ -111,26 +118,18 @@ def _range(case: Case, name: str, goals: Array) -> tuple[float, float, tuple[flo
 
 
 def _follow_shape(
-    solution: Solution, case: Case, name: str, bounds: "Bounds"
-) -> "tuple[list[Place], int, Stop, Stop] | str":
+    solution: Solution, case: Case, name: str, bounds: Bounds
+) -> tuple[list[Place], int, Stop, Stop] | str:
     """The branch of a rod with weight, friction or a hinge, or why it cannot be followed."""
-    from .nodes.constant_loads import shape_of_solution
-    from .nodes.loaded_rod import rods_of
-    from .nodes.loaded_solutions import curve_over
-    from .nodes.node_branch import shapes_through
-
     known = shape_of_solution(rods_of(case)[0], solution.trajectory, between_ends(solution), solution.t[0])
     curve, shape = curve_over(case, known, name, bounds.low, bounds.high)
     return shapes_through(curve, shape, value_of(case, name), bounds)
 
 
 def _follow_orbit(
-    solution: Solution, case: Case, name: str, bounds: "Bounds"
-) -> "tuple[list[Place], int, Stop, Stop] | str":
+    solution: Solution, case: Case, name: str, bounds: Bounds
+) -> tuple[list[Place], int, Stop, Stop] | str:
     """The branch of any other rod, or why it cannot be followed."""
-    from .branches.branch_following import branch_through
-    from .branches.family import family_of
-
     begun = between_ends(solution)
     return branch_through(family_of(case, name, begun, bounds), _path(solution), value_of(case, name), bounds)
 
@@ -148,10 +147,8 @@ def _check(solution: object) -> Solution:
     return solution
 
 
-def _path(solution: Solution) -> "Path":
+def _path(solution: Solution) -> Path:
     """The path of a solution under its own dead loads, between its own end angles."""
-    from .held.equilibrium_choice import path_of_seed
-
     path = path_of_seed(as_seed(ends_case(solution), between_ends(solution), solution))
     if path is None:
         raise InputError("the solution is not an equilibrium of its own ends problem to 1e-6 rad")
@@ -160,9 +157,6 @@ def _path(solution: Solution) -> "Path":
 
 def _numbers(solution: Solution) -> dict[str, float]:
     """The numbers of a solution by the names of `problem.dimensionless.NUMBER_OF`."""
-    from .branches.family import end_numbers
-    from .nodes.constant_loads import end_numbers as end_numbers_of_shape
-
     if solution.trajectory.shapes is not None:
         return end_numbers_of_shape(solution.trajectory.shapes.of(0))
     return end_numbers(between_ends(solution), _path(solution), float(solution.case.rod.stiffness_ratio))
@@ -195,16 +189,10 @@ def _solution_at(tol: float, u: Array, point: BranchPoint) -> Solution:
 
 def _solutions_at(points: Sequence[BranchPoint], case: Case, tol: float, u: Array) -> Solution:
     """Points of a branch as one solution of a case with as many rods, at stations u = s/L."""
-    from .nodes.varying_shapes import Shape
-
     if isinstance(points[0].path, Shape):
-        from .nodes.loaded_solutions import answer_ends, way_of
-
         t = span_of(case)[:, None] * u
         ways = [way_of(point.path, point.index) for point in points]
         return Solution(case, *answer_ends(case, t, tol, ways), t, "shooting", tol)
-    from .orbits.joined_orbits import join_answers
-
     problem = EndsProblem.join([point.problem for point in points])
     t = problem.span[:, None] * u
     blocks = [slice(i, i + _BLOCK) for i in range(0, len(points), _BLOCK)]
@@ -215,8 +203,6 @@ def _solutions_at(points: Sequence[BranchPoint], case: Case, tol: float, u: Arra
 
 def _shapes(problem: EndsProblem, points: Sequence[BranchPoint], t: Array, tol: float) -> Trajectory:
     """The shapes of points of a branch at stations t (N, n); problem: theirs, under dead loads."""
-    from .orbits.path_orbits import equilibrium_trajectory, orbits_of_paths
-
     shapes = equilibrium_trajectory(problem, orbits_of_paths(problem, [point.path for point in points]), t, tol)
     if fields_held(points[0].case):
         shapes = replace(shapes, held_index=np.array([point.index if point.index >= 0 else np.nan for point in points]))
@@ -235,8 +221,8 @@ def _solutions_over(points: Sequence[BranchPoint], name: str, tol: float, statio
 
 
 def _without_failures(
-    case: Case, name: str, tol: float, places: "list[Place]", start: int, begin: "Stop", end: "Stop"
-) -> "tuple[list[Place], int, Stop, Stop]":
+    case: Case, name: str, tol: float, places: list[Place], start: int, begin: Stop, end: Stop
+) -> tuple[list[Place], int, Stop, Stop]:
     """The places of a branch that are solved to the tolerance, the number of the first one among them, and why there
     are no more; `start`: its number before.
 
@@ -244,7 +230,6 @@ def _without_failures(
     corrected at its own value. One that still is not is left out where the branch is solved again behind it: floats
     do not resolve it. Else the branch ends before it. A special point stays: there no case determines its shape.
     """
-    from .branches.branch_events import Stop
 
     def verdict(rows: Sequence[int]) -> Solution:
         points, _ = _points([places[i] for i in rows], case, name, partial(_solution_at, tol, np.zeros(1)))
@@ -275,11 +260,8 @@ def _without_failures(
     return [places[i] for i in kept], kept.index(start), begin, end
 
 
-def _correction(place: "Place") -> "Place":
+def _correction(place: Place) -> Place:
     """A place whose orbit is corrected under its own dead loads, where that succeeds."""
-    from .branches.path_correction import settle
-    from .orbits.boundary import Path
-
     settled = settle(place.problem, place.path) if isinstance(place.path, Path) and not place.path.helix else ""
     return place if isinstance(settled, str) else replace(place, path=settled.path)
 
@@ -287,10 +269,10 @@ def _correction(place: "Place") -> "Place":
 def _branch(
     case: Case,
     name: str,
-    places: "list[Place]",
+    places: list[Place],
     start: int,
-    begin: "Stop",
-    end: "Stop",
+    begin: Stop,
+    end: Stop,
     solve_point: SolvePoint,
 ) -> Branch:
     """The branch of the places over a field, with why there are no more at either end; start: the first one."""
@@ -303,7 +285,7 @@ def _branch(
     return Branch(name, points, special, *ends, start)
 
 
-def _end(name: str, stop: "Stop") -> BranchEnd:
+def _end(name: str, stop: Stop) -> BranchEnd:
     """Why a branch over a field stops."""
     p = float(stop.p)
     if stop.helix is None:
@@ -320,7 +302,7 @@ def _value_in_words(name: str, value: float) -> str:
     return f"{np.rad2deg(value):.10g} deg" if name in ANGLES else f"{value:.10g}"
 
 
-def _next_index(places: "list[Place]", fallback: "Place") -> int:
+def _next_index(places: list[Place], fallback: Place) -> int:
     """The index of the first place that is not special and whose index is known, else of the place itself, else -1."""
     ordinary = [place for place in places if not place.kind]
     known = (place.index for place in [*ordinary, fallback] if place.index is not None)
@@ -328,7 +310,7 @@ def _next_index(places: "list[Place]", fallback: "Place") -> int:
 
 
 def _points(
-    places: "list[Place]", case: Case, name: str, solve_point: SolvePoint
+    places: list[Place], case: Case, name: str, solve_point: SolvePoint
 ) -> tuple[tuple[BranchPoint, ...], tuple[SpecialPoint, ...]]:
     """The points of a branch and the special ones among them."""
     points, special, held = list[BranchPoint](), list[SpecialPoint](), bool(fields_held(case))

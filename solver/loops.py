@@ -1,10 +1,12 @@
 """Closed rods on the cylinder: loops that close in position and direction without axial force and twist."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from .observe.observables import observe
+from .orbits.loop_orbits import ClosedOrbit, index_of, meets_itself, orbits_of_gain
 from .problem.case import Case, Cylinder, Rod, Start, refuse_leaving
 from .problem.dimensionless import reduce
 from .problem.errors import InputError, check_type, whole_number
@@ -13,9 +15,6 @@ from .problem.quantities import current, former
 from .problem.shown import NOTEBOOK, make
 from .solution import Solution
 from .solve import solve
-
-if TYPE_CHECKING:
-    from .orbits.loop_orbits import ClosedOrbit
 
 TOL = 1e-11  # of a closed rod: as small as its solution allows. x10: it closes to a digit less
 # units in the last place by which the forces at the start are moved, until the rod closes best. x10: only time
@@ -148,8 +147,6 @@ def loops(
     >>> [one.index for one in found], found[0].push_min < 0
     ([2, 3], True)
     """
-    from .orbits.loop_orbits import orbits_of_gain
-
     if wraps is not None:
         current("wraps")
         turns_around = wraps
@@ -194,12 +191,9 @@ def _check(rod: Rod, cylinder: Cylinder, turns_around: int, folds: int) -> float
 
 
 def _loop(
-    rod: Rod, cylinder: Cylinder, turns_around: int, folds: int, orbit: "ClosedOrbit", about: int, stations: int
+    rod: Rod, cylinder: Cylinder, turns_around: int, folds: int, orbit: ClosedOrbit, about: int, stations: int
 ) -> Loop:
     """The loop of an orbit; about: 1, or -1 for the mirror image of the orbit."""
-    from .observe.observables import observe
-    from .orbits.loop_orbits import index_of, meets_itself
-
     case = Case(rod, cylinder, _start(rod, cylinder, about * orbit.lowest, about * orbit.lam))
     sol = solve(case, tol=TOL, stations=stations)
     measured = observe(sol, ("bending_energy", "push_min", "push_max", "attached", "kappa_max"))

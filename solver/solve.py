@@ -10,6 +10,7 @@ from .each_case import Answer, Question, answer_each
 from .free.free_rods import FREE_TOLERANCE, FreeRods, answers_beside
 from .free.starting_curves import BILATERAL, bilateral_cases, curves_of
 from .held.equilibrium_choice import LOWEST, NEAREST, RULES, Choose, check
+from .nodes.loaded_solutions import answer_ends, answer_starts
 from .nodes.varying_shapes import VaryingShapes
 from .numerics.arrays import NEGLIGIBLE, Array
 from .problem.case import Case, Ends, Start, check_case
@@ -167,7 +168,6 @@ def _question_on_nodes(
 ) -> Question:
     """What is asked where loads vary along the rod: by Taylor series; between ends by multiple shooting."""
     from .methods import method_on_nodes
-    from .nodes.loaded_solutions import answer_ends, answer_starts
 
     name = method_on_nodes(case.kind, method, knobs)
     if check(choose) != NEAREST:

@@ -1,6 +1,7 @@
 """The force at s = L with which a rod has a force at s = 0: weight and friction lie between them."""
 
 import math
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -75,14 +76,8 @@ def far_force(case: Case, near: float, unit: str = "") -> tuple[float, str]:
         off = answer(force)[0] - near
         return -1.0 if off == -math.inf else off / (abs(off) + size)
 
-    low = high = first
-    step = off if off < math.inf else size
+    low, high = _bracket(excess, first, off if off < math.inf else size)
     none = f"failed: no FZ was found that gives {known}"
-    for _ in range(MOST_STEPS):
-        if excess(low) <= 0 <= excess(high):
-            break
-        low, high = (low - step, low) if excess(low) > 0 else (high, high + step)
-        step *= 2
     if not excess(low) <= 0 <= excess(high):
         last = low if excess(low) > 0 else high
         push, _, reason = answer(last)
@@ -97,3 +92,14 @@ def far_force(case: Case, near: float, unit: str = "") -> tuple[float, str]:
     if reason:
         return first, f"{none}: it is {other:.5g}{unit} with {at}, next to which there is no answer: {reason}"
     return first, f"{none}: at {at} the shape changes, and FZ0 jumps from {other:.5g} to {push:.5g}{unit}"
+
+
+def _bracket(excess: Callable[[float], float], first: float, step: float) -> tuple[float, float]:
+    """Two forces, from a first one on, between which a rising excess passes 0, if `MOST_STEPS` lead so far."""
+    low = high = first
+    for _ in range(MOST_STEPS):
+        if excess(low) <= 0 <= excess(high):
+            break
+        low, high = (low - step, low) if excess(low) > 0 else (high, high + step)
+        step *= 2
+    return low, high
