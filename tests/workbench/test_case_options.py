@@ -326,6 +326,19 @@ def test_a_hole_whose_inclination_is_none_is_refused_by_its_own_name(angle: str,
     assert "hole must be from 0 to pi rad" in capsys.readouterr().err
 
 
+def test_a_pipe_beyond_all_limits_fails_in_one_sentence_and_warns_of_nothing(capsys) -> None:
+    rod = "--EI 1e5 --GJ 8e4 --a 0.05 --L 30 --R 1e300 --side inside --weight 300 --hole 90deg --beta0 0 --betaL 0"
+    assert exit_status("solve", *rod.split(), "--wob=1e4") == 1
+    output = capsys.readouterr()
+    assert "failed: loads, ends or L/rho" in output.out
+    assert output.err == ""
+
+
+def test_an_axis_value_of_no_file_is_refused(capsys) -> None:
+    assert exit_status("solve", "--table1", "--at", "E=3") == 2
+    assert "give also its FILE" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("text", ["20ksi", "5furlong"])
 def test_a_unit_that_does_not_fit_is_refused_by_the_name_of_the_option(text: str, capsys) -> None:
     assert exit_status("solve", "--table1", "--least-bend-radius", text) == 2

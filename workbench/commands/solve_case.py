@@ -110,6 +110,8 @@ def solve(
     from .fidelity import fidelity
 
     chosen = fidelity(level or "standard")
+    if at and file is None:
+        raise InputError("--at takes a case of a study or of a stored file: give also its FILE")
     if file is not None and (at or file.suffix.lower() == ".h5"):
         check_alone(file, given.units, table1)
         base = case_of_file.case_in(file, pairs("--at", at), given.values)

@@ -277,10 +277,12 @@ def _buckling_load(sol: "Solution", force: str) -> list[str]:
     if case.kind != "ends" or case.cylinder.side == "outside" or (case.leaves and not _rests(case)):
         return []
     rod = rods_of(bilateral_cases(case)[0] if case.leaves else case)[0]
+    if why_unsolved(rod):
+        return []
     who = f"the straight rod{' without friction' * rod.has_friction}"
     if rod.rotates and not rod.straight:
         rod, who = rod_without_lean(rod), "the rod that leans by its friction"
-    if not rod.straight or why_unsolved(rod):
+    if not rod.straight:
         return []
     phi, unit = tension_of_buckling(rod), float(case.rod.bending_stiffness) / float(case.rho) ** 2
     if phi is None:
