@@ -330,7 +330,7 @@ def test_a_lock_that_its_owner_removed_is_not_held(tmp_path) -> None:
 
 
 def test_a_line_now_and_then_where_nobody_watches_and_json_for_programs(monkeypatch, capsys) -> None:
-    monkeypatch.setattr(console, "LINE_EVERY", 0.0)
+    monkeypatch.setattr(console, "EVERY", 0.0)
     for as_json in (False, True):
         with console.progress_bar(150, 50, as_json) as meter:
             meter.add(48, 0)

@@ -90,7 +90,7 @@ def test_merged_samples_are_those_of_all_files_each_once(stored: Path, tmp_path)
 
 @pytest.mark.slow
 def test_a_merged_study_of_too_many_samples_names_a_table_and_keeps_them_as_arrays(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(file_merge, "MOST_LISTED", 9)  # as with a million samples
+    monkeypatch.setattr(file_merge, "MOST_NUMBERS", 9)  # as with a million samples
     paths = [tmp_path / "a.h5", tmp_path / "b.h5"]
     for path, E in zip(paths, ([1e4, 2e4, 3e4], [3e4, 4e4]), strict=True):
         text = f"[zip]\nE = {E}\nR = {[e / 1e4 for e in E]}\n"

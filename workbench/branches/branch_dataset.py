@@ -106,9 +106,8 @@ def sweep(
         step(f"shapes of branch {len(solved) + 1}", len(solved), len(seen.curves))
         solved.append(solutions_of(curve, SHAPE_STATIONS))
     data |= follow_curves(seen, solved, name, units, shown, (values[0], values[-1]))
-    ds = xr.Dataset(
-        data, {name: xr.Variable((name,), values, quantity_variables.labels(quantity_of(name).name, units))}
-    )
+    axis = xr.Variable((name,), values, quantity_variables.labels(quantity_of(name).name, units))
+    ds = xr.Dataset(data, {name: axis})
     every = "Equilibria with a held" if held else "All equilibria over"
     ds.attrs = attributes(study, case, f"{every} {quantity_of(name).symbol}")
     if held:
@@ -225,17 +224,8 @@ def _labels(name: str, keys: Sequence[str], units: Mapping[str, str]) -> dict[st
     }
 
 
-def _numbers_of_solved(sol: Solution, curve: Branch, keys: Sequence[str]) -> dict[str, Any]:
-    """The numbers of the points of a branch, NaN of those that are not solved.
-
-    At a fold the condition number alone may say that an equilibrium is not.
-    """
-    known = _known(sol, curve)
-    return {key: np.where(known, values, np.nan) for key, values in numbers_of(sol, keys).items()}
-
-
 def _known(sol: Solution, curve: Branch) -> NDArray[np.bool_]:
-    """Which points of a branch have numbers."""
+    """Which points of a branch have numbers: at a fold the condition number alone may say that one is not solved."""
     known = np.array(sol.solved, dtype=bool)
     known[[point.position for point in curve.special]] = True
     return known
@@ -254,12 +244,13 @@ def follow_curves(
     Of one or two branches several shapes are kept; `shape_branch` says whose they are. solved: the points of each
     curve. ends: of the axis, between which shapes are kept; branches may go on beyond.
     """
+    known = [_known(sol, curve) for sol, curve in zip(solved, seen.curves, strict=True)]
     numbers = [
-        _numbers_of_solved(sol, curve, shown)
+        {key: np.where(mine, values, np.nan) for key, values in numbers_of(sol, shown).items()}
         | numbers_of(sol, [BACK])
         | {"index": curve.index, "dead_index": _dead_indices(sol), name: curve.values}
         | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
-        for sol, curve in zip(solved, seen.curves, strict=True)
+        for sol, curve, mine in zip(solved, seen.curves, known, strict=True)
     ]
     data: dict[str, Any] = {}
     parts = [(piece, np.arange(piece.first, piece.last + 1)) for piece in seen.pieces]
@@ -271,7 +262,6 @@ def follow_curves(
     which = np.concatenate([np.empty(0), *(np.full(at.size, piece.number) for piece, at in parts)])
     owner = {"long_name": FROM_ZERO}
     data["curve_branch"] = xr.Variable(("curve_point",), which.astype(np.int64), owner)
-    known = [_known(sol, curve) for sol, curve in zip(solved, seen.curves, strict=True)]
     middles = [(piece, at) for piece in seen.pieces for at in _places(seen, piece, ends, known[piece.curve])]
     for key in ("alpha", "z"):
         rows = [getattr(solved[piece.curve], key)[at] for piece, at in middles]

@@ -24,6 +24,7 @@ from studies.language.case_input import (
 from studies.language.loader import loads
 
 from ..run import writing
+from ..stored.case_solving import which_is
 from ..words.free_rod_words import ELASTIC
 
 DEFAULT = "fig7_4_end_angle"  # the study whose rod is that of Table 1
@@ -123,8 +124,8 @@ def text_of_solution(title: str, units: Mapping[str, str], sol: Solution, named:
         return f"{text}\n[equilibrium]\n" + (f"index = {rule}\n" if isinstance(rule, int) else f'choose = "{rule}"\n')
     if not (named and isinstance(sol.case.given, Ends) and sol.solved) or sol.held:
         return text
-    dbeta0, energy = float(sol.dbeta[0]), float(observe(sol, ["energy"])["energy"])
-    return f"{text}\n[equilibrium]\ndbeta0 = {dbeta0!r}\nenergy = {energy!r}\n"
+    which = which_is(sol)
+    return f"{text}\n[equilibrium]\ndbeta0 = {which.dbeta0!r}\nenergy = {which.energy!r}\n"
 
 
 def write_cases(study: Study, case: Case, found: Sequence[Equilibrium], folder: Path) -> None:

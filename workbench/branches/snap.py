@@ -139,10 +139,8 @@ def way_of(stored: StoredStudy) -> list[Moment]:
 def _first_branch(stored: StoredStudy) -> tuple[int, int, float]:
     """The index of a value of the axis, the stable branch there, and the end of the axis towards which it has a fold:
     of several the branch with the longest way to it."""
-    if "fold" not in stored.sizes or "member" not in stored.sizes:
-        raise InputError("no stable branch of this file ends in a fold, so no rod snaps")
     values, ways = stored[str(stored.attrs["axis"])].values, list[tuple[float, int, int, float]]()
-    for row in stored.data("branches"):
+    for row in stored.data("branches") if {"fold", "member"} <= {*stored.sizes} else ():
         on = np.flatnonzero((stored["branch"].values == row["branch"]).any(axis=1))
         folds = stored["fold"].values[(stored["fold_branches"].values == row["branch"]).any(axis=1)]
         if row["index"] == 0 and on.size:

@@ -20,7 +20,6 @@ if TYPE_CHECKING:  # --help does not import rich
 
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 5.0  # seconds between two lines of progress
-LINE_EVERY = 5.0  # seconds between two lines of a run where stderr is no terminal
 PATIENCE = 15.0  # seconds before a command that is silent says that it runs
 SLOW = "still computing (Ctrl+C ends it); the time grows with the length over the radius and with the loads"
 WHOLE: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
@@ -154,7 +153,7 @@ def _make_lines(as_json: bool) -> "Callable[[Meter], None]":
 
     def show(meter: "Meter") -> None:
         nonlocal said
-        if meter.seconds - said >= LINE_EVERY:
+        if meter.seconds - said >= EVERY:
             said = meter.seconds
             line = json.dumps(meter.data()) if as_json else f"{meter.done} of {meter.total} cases, {meter.text()}"
             print(line, file=sys.stderr, flush=True)

@@ -1,6 +1,6 @@
 """The command scene: a stored dataset, or a study, drawn in three dimensions."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from ..scene.settings import Settings
     from ..stored.stored_study import StoredStudy
 
-SUFFIXES = (".png", ".jpg")
-DPI = 200
 PAGE, PAGE_KIND = ".html", "contact"  # the suffix of a page, and the kind of scene that it shows
 PAGE_FIRST = 201  # stations that are tried first for a page of a study
 
@@ -72,7 +70,7 @@ def scene(
             f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves, without {choices(alien)}, "
             "for pictures alone, .png and .jpg"
         )
-    settings = wanted.settings(DPI)
+    settings = wanted.settings()
     study, rods = study_scene.open_rods(file)
     where = axis_values(rods, wanted.at)
     if out is not None and suffix == PAGE:
@@ -91,7 +89,7 @@ def _pictures(
 ) -> Result:
     """Draw one picture, or one for each case along an axis, at as many stations as it needs."""
     from ..scene import opengl, scene_kinds
-    from ..scene.settings import check_name
+    from ..scene.settings import PICTURES, check_name
     from ..stored import chosen_cases
     from ..stored.enough_stations import at_needed_stations
     from . import study_scene
@@ -108,7 +106,7 @@ def _pictures(
     frames_of = None
     if out is not None and "{" in out.name:
         frames_of = _frames(rods, where, out, along, chosen, wanted.force)
-    path = out if frames_of and out is not None else check_file(out or default, SUFFIXES, wanted.force)
+    path = out if frames_of and out is not None else check_file(out or default, PICTURES, wanted.force)
     check_name(path, settings)
     opengl.check()
     from ..figures import canvas
@@ -116,15 +114,15 @@ def _pictures(
 
     def draw(rods: "StoredStudy", strict: bool) -> "Page":
         if frames_of:
-            way, places, drawn = frames_of.axis, frames_of.files, replace(settings, strict=strict)
+            (way, places), drawn = frames_of, replace(settings, strict=strict)
             pages = (layout.render(rods, file, where | {way: at}, chosen.name, axes, way, drawn) for at, file in places)
             return max(pages, key=lambda page: page.error)
         return layout.render(rods, path, where or None, chosen.name, axes, along, replace(settings, strict=strict))
 
     paths = [path]
     if frames_of:
-        paths = [file for _, file in frames_of.files]
-        case, along = [f"{len(frames_of.files)} values of {frames_of.axis}"], frames_of.axis
+        along, files = frames_of
+        paths, case = [file for _, file in files], [f"{len(files)} values of {along}"]
     elif chosen.cells == "one" or chosen.name == scene_kinds.LET_GO:  # the case is named also where --at was not given
         indices = rods.place(where).items()
         case = [f"{name}={chosen_cases.write(name, float(rods[name].values[i]))}" for name, i in indices]
@@ -145,19 +143,13 @@ def _pictures(
     return result_of_files(paths, said, [warning], 1)
 
 
-@dataclass(frozen=True)
-class _Frames:
-    """The pictures of the solved cases along an axis: the value of each and its file."""
-
-    axis: str
-    files: list[tuple[float, Path]]
-
-
 def _frames(
     rods: "StoredStudy", where: "dict[str, float]", out: Path, along: str | None, kind: "SceneKind", force: bool
-) -> _Frames:
-    """The pictures that a name with a number in braces asks for, along one axis. Raises `InputError` for another."""
+) -> tuple[str, list[tuple[float, Path]]]:
+    """The one axis along which a name with a number in braces asks for pictures, and the value of each solved case with
+    its file. Raises `InputError` for another."""
     from ..export.stored_rod import name_of_file
+    from ..scene.settings import PICTURES
 
     free = [rods.axis(along)] if along else [name for name in rods.axes if name not in where]
     if kind.cells != "one" or len(free) != 1:
@@ -172,7 +164,7 @@ def _frames(
     ]
     if not files:
         raise InputError(f"no case along {free[0]} is solved: there is nothing to draw")
-    return _Frames(free[0], [(at, check_file(file, SUFFIXES, force)) for at, file in files])
+    return free[0], [(at, check_file(file, PICTURES, force)) for at, file in files]
 
 
 def _page(

@@ -260,15 +260,8 @@ def _show_values(found: "Fit", asked: "CaseInput") -> None:
         low, high = (number_stated(name, end, asked.units) for end in found.intervals[name])
         between = f"{tables.text_of(low)} to {tables.text_of(high)}"
         known = "unknown" if math.isnan(low) else UNDETERMINED if math.isinf(high) else between
-        rows.append(
-            [
-                name,
-                number_stated(name, value, asked.units),
-                known,
-                unit_stated(name, asked.units),
-                quantity_of(name).long_name,
-            ]
-        )
+        stated = number_stated(name, value, asked.units), known, unit_stated(name, asked.units)
+        rows.append([name, *stated, quantity_of(name).long_name])
     tables.print_table(["fitted", "value", "95 % interval", "unit", ""], rows)
     console.say(f"{found.rule}\n")
 
@@ -287,10 +280,8 @@ def _show_data(found: "Fit", asked: "CaseInput") -> None:
         pair: list[Any] = ["", "", ""] if targets else []
         if group in targets:
             name = target_parts(group)[0]
-            pair = [
-                *(number_stated(name, float(v[mine][0]), asked.units) for v in (found.measured, found.computed)),
-                unit_stated(name, asked.units),
-            ]
+            both = (number_stated(name, float(v[mine][0]), asked.units) for v in (found.measured, found.computed))
+            pair = [*both, unit_stated(name, asked.units)]
         rows.append([label, *pair, f"{math.sqrt(float(np.mean(found.residuals[mine] ** 2))):.3g}", *shares])
     heads = ["datum", *(["wanted", "fitted", "unit"] if targets else []), "residual"]
     tables.print_table([*heads, *(f"share in {name}" for name in found.values)], rows)

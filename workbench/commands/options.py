@@ -175,15 +175,13 @@ def numbers(option: str, texts: Sequence[str] | None, units: Mapping[str, str]) 
     """The pairs with their values as numbers in these units, angles in rad. Raises `InputError`."""
     from studies.grammar.axes import is_angle
 
-    values = {
-        name: (field_number(f"{option} {name}", name.partition("@")[0], text, units), text)
-        for name, text in pairs(option, texts).items()
-    }
-    for name, (value, text) in values.items():
-        if not isfinite(value):
+    values = {}
+    for name, text in pairs(option, texts).items():
+        values[name] = field_number(f"{option} {name}", name.partition("@")[0], text, units)
+        if not isfinite(values[name]):
             forms = "a number in rad, or a form like 30deg" if is_angle(name) else "a finite number"
             raise InputError(f"{option} {name} must be {forms}, got {text!r}")
-    return {name: value for name, (value, _) in values.items()}
+    return values
 
 
 def field_number(option: str, name: str, text: str, units: Mapping[str, str]) -> float:

@@ -23,7 +23,6 @@ from .scene_options import OF_PICTURE, SceneOptions
 RODS, SNAP = "branches", "snap"  # kinds of scene of such a file
 FRAMES = 144  # of a film of a snap
 MOST = 9  # rods of a picture
-DPI = 200
 SUFFIXES = (".png",)
 
 
@@ -50,7 +49,7 @@ def scene_of(file: Path, stored: StoredStudy, wanted: SceneOptions) -> Result:
 
 def _picture(file: Path, stored: StoredStudy, wanted: SceneOptions) -> Result:
     """Draw the stable rods of branches below their diagram."""
-    settings = wanted.settings(DPI)
+    settings = wanted.settings()
     suffixes = (*SUFFIXES, *film.SUFFIXES)
     path = check_file(wanted.out or file.with_name(f"{file.stem}_scene.png"), suffixes, wanted.force)
     opengl.check()

@@ -14,7 +14,7 @@ from ..run.in_order import run_in_order
 from ..scene import film, opengl, scene_kinds
 from ..scene.film import Film
 from ..scene.page import Pixels
-from ..scene.settings import check_name
+from ..scene.settings import PICTURES, check_name
 from ..stored.enough_stations import at_needed_stations
 from ..stored.stored_study import StoredStudy
 from . import console, study_scene
@@ -22,7 +22,6 @@ from .options import axis_values, check_file
 from .present import Result, result_of_files
 from .scene_options import SceneOptions
 
-PICTURES = (".png", ".jpg")  # of a film whose frames are files
 DPI = 160  # gives frames of 1280 x 720 pixels
 MOST = 480  # frames that are solved for a film
 STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved

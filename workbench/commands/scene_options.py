@@ -108,7 +108,7 @@ class SceneOptions:
         named = [name for name, value in values.items() if not (value is None or value is False or value == [])]
         return [FLAGS.get(name, f"--{name.replace('_', '-')}") for name in named]
 
-    def settings(self, dpi: int) -> "Settings":
+    def settings(self, dpi: int = 200) -> "Settings":
         """How it is drawn; dpi: where none was given. Raises `InputError` for an invalid option."""
         from ..scene.settings import Settings, check, color_of, pair_of
 

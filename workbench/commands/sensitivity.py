@@ -158,13 +158,7 @@ def _effects(table: "xr.Dataset", i: int, fields: list[str], units: Mapping[str,
     stated = _statement(row, "observable", "value", units)
     values = (float(row["effect"].sel(field=name)) for name in fields)
     cells = ["-" if value != value else f"{value:+.3g}" if value else "0" for value in values]
-    return [
-        stated["name"],
-        f"{stated['at']:.5g}",
-        stated["units"],
-        str(row["effect_unit"].values),
-        *cells,
-    ]
+    return [stated["name"], f"{stated['at']:.5g}", stated["units"], str(row["effect_unit"].values), *cells]
 
 
 def _print_indices(table: "xr.Dataset") -> None:

@@ -280,33 +280,13 @@ def _bend(kappa: float, least: float | None) -> dict[str, float]:
 
 FLAT = 1.0  # deg: how little beta varies is said beside the bends
 PROFILE = ("start", "middle", "largest", "at", "far")
-OFF_WALL = (
-    "turns_around",
-    "height",
-    "kappa_max",
-    "bending_moment_max",
-    "F3_size_max",
-    "push_max",
-    "gap_max",
-    "contact_share",
-    "contact_count",
-    "point_force_max",
-)
-HEADLINES = (
-    "bends", "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max",
-    "attached", "index", "M30", "surface_torque", "reach", "arriving_max",
-)  # fmt: skip
-WOUND_HEADLINES = (  # with the bend radius
-    "turns_around",
-    "pitch",
-    "height",
-    "bending_stress_max",
-    "F3_size_max",
-    "push_min",
-    "push_max",
-    "attached",
-    "index",
-)
+# what is printed without --all: of every rod; on the wall, wound as a helix, off the wall
+COMMON = {"turns_around", "height", "F3_size_max", "push_max"}
+ON_WALL = COMMON | {"push_min", "attached", "index"}
+WOUND = ON_WALL | {"pitch", "bending_stress_max"}  # with the bend radius
+BENT = {"kappa_max", "bending_moment_max"}
+OFF_WALL = COMMON | BENT | {"gap_max", "contact_share", "contact_count", "point_force_max"}
+HEADLINES = ON_WALL | BENT | {"bends", "M30", "surface_torque", "reach", "arriving_max"}
 
 
 def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
@@ -379,20 +359,15 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
     tables.print_table(["given", "value", "unit", ""], rows)
     console.say("")
     if results := _results(found):
-        heads = OFF_WALL if found["case"].get("contact") else WOUND_HEADLINES if found["wound"] else HEADLINES
-        others = set(found["observables"]) | set(found["case"]) - set(heads)  # a load that is given stands above
+        heads = OFF_WALL if found["case"].get("contact") else WOUND if found["wound"] else HEADLINES
+        others = set(found["observables"]) | set(found["case"]) - heads  # a load that is given stands above
         shown = [name for name in results if every or name in heads or name not in others]
         turn = math.degrees(results.get("amplitude", math.inf))
         varies = f"; beta varies by {turn:.2g} deg" * (turn < FLAT and bool(results.get("bends")))
-        rows = [
-            [
-                name,
-                value if isinstance(value, int) else _number(name, value, found),
-                _unit(name, found),
-                quantity(name).long_name + varies * (name == "bends"),
-            ]
-            for name, value in ((name, results[name]) for name in shown)
-        ]
+        rows = []
+        for name in shown:
+            value = results[name] if isinstance(results[name], int) else _number(name, results[name], found)
+            rows.append([name, value, _unit(name, found), quantity(name).long_name + varies * (name == "bends")])
         if found["wound"] or found["bend"]["least"]:
             radius = found["bend"]["radius"] * size_shown("R", found["units"])
             words = ", ".join(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.quantities import unit_of
 
+from ..words import escaping
 from . import console, tables
 from .options import argument
 from .present import Result, presents
@@ -47,7 +48,7 @@ def summary(
 def _print_contents(found: dict[str, Any]) -> None:
     """Print the summary of a file that is no study."""
     console.say(found["title"] or found["kind"])
-    console.say(f"{found['file']}: {_size(found['bytes'])}, {found['kind']}")
+    console.say(f"{found['file']}: {escaping.bytes_in_words(found['bytes'])}, {found['kind']}")
     console.say(", ".join(f"{name} {size}" for name, size in found["sizes"].items()))
     console.say(f"along the rod: {', '.join(found['along']) or 'nothing'}")
     console.say("")
@@ -68,17 +69,13 @@ def _print_outcomes(outcomes: Mapping[str, int]) -> None:
         console.say(f"  {count} x {text}")
 
 
-def _size(count: int) -> str:
-    return f"{count / 1e6:.3g} MB" if count >= 1e6 else f"{count / 1e3:.3g} kB"
-
-
 def _print(found: dict[str, Any]) -> None:
     from studies.grammar.axes import SAMPLE, in_words
     from studies.laws.law_words import count_of
 
     reading = f", {found['reading']}" if found["reading"] else ""
     console.say(f"{found['title']}{reading}")
-    size = _size(found["bytes"])
+    size = escaping.bytes_in_words(found["bytes"])
     console.say(
         f"{found['file']}: {size}, format {found['format']}, study {found['study_name']}, stored {found['created']}"
     )

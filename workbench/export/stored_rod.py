@@ -61,8 +61,9 @@ def check_holds_all(stored: StoredStudy, path: Path) -> None:
         )
 
 
-def _say_nothing(sentence: str) -> None:
-    """What takes a sentence, where nobody reads it."""
+def _suffixes(able: Callable[[Format], object]) -> str:
+    """The suffixes of the formats that are able to do something, as choices."""
+    return choices(suffix for suffix in FORMATS if able(_format(suffix)))
 
 
 def export(
@@ -70,7 +71,7 @@ def export(
     path: Path,
     options: ExportOptions = DEFAULT,
     force: bool = False,
-    tell: Callable[[str], None] = _say_nothing,
+    tell: Callable[[str], object] = str,
 ) -> Exported:
     """Write one case of a dataset to a file. Nothing is left where it fails.
 
@@ -115,14 +116,14 @@ def export(
     """
     format = format_of(path)
     if options.centreline and not format.has_centreline:
-        able = [suffix for suffix in FORMATS if _format(suffix).has_centreline]
-        raise InputError(f"--centreline is for {choices(able)}, got {path.name!r}")
+        able = _suffixes(lambda each: each.has_centreline)
+        raise InputError(f"--centreline is for {able}, got {path.name!r}")
     if options.color is not None and not format.coloured:
-        able = [suffix for suffix in FORMATS if _format(suffix).coloured]
-        raise InputError(f"--color is for {choices(able)}: {path.suffix} has no colours")
+        able = _suffixes(lambda each: each.coloured)
+        raise InputError(f"--color is for {able}: {path.suffix} has no colours")
     if options.tolerance is not None and format.tolerance is None:
-        able = [suffix for suffix in FORMATS if _format(suffix).tolerance is not None]
-        raise InputError(f"--tolerance is for {choices(able)}; {path.suffix} holds the stations as they are stored")
+        able = _suffixes(lambda each: each.tolerance)
+        raise InputError(f"--tolerance is for {able}; {path.suffix} holds the stations as they are stored")
     if options.tolerance is not None and not 0 < options.tolerance < np.inf:
         raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")
     _check_triangles(path, options, format)
@@ -146,8 +147,8 @@ def _check_triangles(path: Path, options: ExportOptions, format: Format) -> None
     if options.triangles is None:
         return
     if not format.triangle_bytes:
-        able = [suffix for suffix in FORMATS if _format(suffix).triangle_bytes]
-        raise InputError(f"--triangles is for the meshes {choices(able)}, got {path.name!r}")
+        able = _suffixes(lambda each: each.triangle_bytes)
+        raise InputError(f"--triangles is for the meshes {able}, got {path.name!r}")
     if options.tolerance is not None:
         raise InputError("--triangles and --tolerance each fix the mesh: give one of them")
     if options.triangles < 1:
@@ -162,7 +163,7 @@ def _tolerance(line: Centreline, format: Format, options: ExportOptions) -> floa
     return options.tolerance or format.tolerance(line)
 
 
-def _tell_size(path: Path, rods: Sequence[ExportedRod], format: Format, tell: Callable[[str], None]) -> None:
+def _tell_size(path: Path, rods: Sequence[ExportedRod], format: Format, tell: Callable[[str], object]) -> None:
     """Tell about how large the files of meshes will be, where that is more than `LARGE`."""
     if not format.triangle_bytes:
         return
@@ -234,7 +235,7 @@ def _at_needed_stations(rod: ExportedRod, format: Format, own_error: float) -> E
 
 
 def _frames(
-    stored: StoredStudy, path: Path, options: ExportOptions, force: bool, format: Format, tell: Callable[[str], None]
+    stored: StoredStudy, path: Path, options: ExportOptions, force: bool, format: Format, tell: Callable[[str], object]
 ) -> Exported:
     """Write each solved rod along an axis to a file of its own; a rod that the format cannot hold is left out."""
     series = pvd.along(stored, path.stem, options)

@@ -88,12 +88,8 @@ def panel(stored: StoredStudy, ax: Axes, numbers: bool = True) -> Axes:
             share = (kept[i, j] - LEAST) / (MOST - LEAST)
             colour = SOLVED(share) if kind[i, j] == "solved" else colours.EXTREMES[str(kind[i, j])]
             ax.add_patch(Rectangle((j, i), 1, 1, facecolor=colour, edgecolor="white", linewidth=1))
-            _write(
-                ax,
-                j + 0.5,
-                i + 0.5,
-                _number(error[i, j]) if numbers and verdict[i, j] in ("solved", "inaccurate") else "",
-            )
+            if numbers and verdict[i, j] in ("solved", "inaccurate"):
+                _write(ax, j + 0.5, i + 0.5, _number(error[i, j]))
         for k, beside in enumerate((condition[i], stored["span"].values[i]) if numbers else ()):
             _write(ax, len(methods) + k + 0.5, i + 0.5, _number(float(beside)))
     heads = [*methods, *["condition", "L/ρ"] * numbers]

@@ -29,6 +29,7 @@ FLOOR, TOP = 1e-16, 1e4  # the range of errors that is shown; an error of 0 is d
 FAILED, NO_DIGIT = (LOST * TOP) ** 0.5, "failed, or no\ncorrect digit"  # what stands beside the crosses, and where
 PANEL, LEGEND = 2.1, 1.6  # inches that a panel and the legend are high
 MOST = 6  # panels
+SLOW: dict[str, Any] = {"marker": ">", "markersize": 7, "markerfacecolor": "none", "linestyle": ""}
 ERRORS = "Errors: of the angle in radians, or of the position over max(ρ, L), whichever is larger."
 # shown where more cases are measured, in words
 SHOWN = {
@@ -104,16 +105,7 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
         failed += [(spent[bad], colour)] * bool(bad.any())
         if np.char.startswith(outcome, "not run").any() and good.any():
             last = np.flatnonzero(good)[-1]
-            ax.plot(
-                spent[last],
-                max(error[last], FLOOR),
-                ">",
-                color=colour,
-                markersize=7,
-                markerfacecolor="none",
-                markeredgewidth=0.9,
-                zorder=5,
-            )
+            ax.plot(spent[last], max(error[last], FLOOR), color=colour, markeredgewidth=0.9, zorder=5, **SLOW)
     heights = np.geomspace(TOP, LOST, len(failed) + 2)[1:-1]
     for (spent, colour), height in zip(failed, heights, strict=True):
         ax.plot(spent, np.full(spent.size, height), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
@@ -163,19 +155,10 @@ def _entries(stored: StoredStudy, cases: Sequence[str]) -> list[Artist]:
         }
         for look in map(look_of, tried)
     ]
-    looks += [
-        {
-            "marker": ">",
-            "markersize": 7,
-            "markerfacecolor": "none",
-            "linestyle": "",
-            "label": "its next finer setting takes too long",
-        },
-    ]
+    looks.append({**SLOW, "label": "its next finer setting takes too long"})
     if "answered" in stored and any(_is_handed_over(stored, str(name)) for name in stored["ladder"].values):
-        looks += [
-            {"marker": "h", "markersize": 4, "markerfacecolor": "white", "label": "handed over to another method"}
-        ]
+        over = {"marker": "h", "markersize": 4, "markerfacecolor": "white"}
+        looks.append({**over, "label": "handed over to another method"})
     return [Line2D([], [], **{"color": colours.SOFT, **look}) for look in looks]
 
 

@@ -253,14 +253,8 @@ def advice(ds: xr.Dataset) -> list[dict[str, Any]]:
         for level in ds["level"].values:
             seconds = good.where(of_kind["error"] <= level).min("rung").transpose("case", "ladder").values
             reached = np.isfinite(seconds).sum(axis=0)
-            row = {
-                "kind": str(kind),
-                "level": float(level),
-                "method": None,
-                "reached": 0,
-                "cases": seconds.shape[0],
-                "seconds": None,
-            }
+            row = {"kind": str(kind), "level": float(level), "method": None, "reached": 0}
+            row |= {"cases": seconds.shape[0], "seconds": None}
             if reached.max(initial=0):
                 best = np.flatnonzero(reached == reached.max())
                 fastest = np.fmin.reduce(seconds[:, best], axis=1, keepdims=True)

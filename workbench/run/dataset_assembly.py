@@ -165,10 +165,8 @@ def _gather(
         parts = [(source.name, source.read(where)) for source in sources]
         held = [(name, *piece) for name, piece in parts if piece is not None]
         columns = held[0][2] if len(held) == 1 else _combine(held, *span(where, shape), name_of)
-        yield (
-            where,
-            {name: values.astype(types.get(name, values.dtype), copy=False) for name, values in columns.items()},
-        )
+        typed = {name: values.astype(types.get(name, values.dtype), copy=False) for name, values in columns.items()}
+        yield where, typed
 
 
 def _combine(

@@ -34,7 +34,7 @@ ALIKE = {
     "length_unit": "the unit of length",
     "force_unit": "the unit of force",
 }
-MOST_LISTED = 1_000_000  # numbers of samples in the text of a merged study; the text of more would be too long to load
+MOST_NUMBERS = 1_000_000  # numbers of samples in the text of a merged study; the text of more would be too long to load
 MOST_SOURCES = 5  # files of which a merged file says how their samples were drawn
 # Fields of a study that are compared in the dataset, or that do not change a number.
 APART = {"name", "title", "axes", *SOURCES, "base", "observables", "outputs", "stations", "tol", "method"}
@@ -206,7 +206,7 @@ def _attributes(
 ) -> dict[str, Any]:
     """The attributes of the merged file: those of the first, with the text of the study over all values.
 
-    More than `MOST_LISTED` numbers of samples are not listed: the text names a table, and the samples are those of the
+    More than `MOST_NUMBERS` numbers of samples are not listed: the text names a table, and the samples are those of the
     file.
     """
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
@@ -216,7 +216,7 @@ def _attributes(
         text = dumps(study, axes={union.name: axis_table(union.fields[union.name])})
     else:
         attrs["sampling"] = _origin_of_samples(files, union)
-        if union.size * len(union.fields) <= MOST_LISTED:
+        if union.size * len(union.fields) <= MOST_NUMBERS:
             text = dumps(study, zip={name: values.tolist() for name, values in union.fields.items()})
         else:
             text = dumps(study, table={"file": f"{out.stem}.csv", "columns": [*union.fields]})

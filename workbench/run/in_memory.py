@@ -82,11 +82,7 @@ def run_followed(study: Study) -> xr.Dataset:
     as_run = study.model_copy(update={"method": sol.method})
     ds = dataset_assembly.make(as_run, Dimensions.of({field: branch.values}), columns(study, sol), case=branch.ends)
     units = study.unit_system
-    data = {
-        "dbeta0": xr.Variable(
-            (quantity_variables.dimension(field),), branch.dbeta0, quantity_variables.labels("dbeta0", units)
-        )
-    }
+    data = quantity_variables.variables({"dbeta0": branch.dbeta0}, (quantity_variables.dimension(field),), units)
     for key, row, value in (("fold", name, branch.fold), ("fold_dbeta0", "dbeta0", branch.fold_dbeta0)):
         labels = quantity_variables.labels(row, units)
         labels["long_name"] += " where the equilibrium ceases to exist"

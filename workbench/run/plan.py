@@ -17,12 +17,14 @@ from studies.grammar.axes import SAMPLE, Axis, Dimension, Dimensions, Values, in
 from studies.language import refine_table as tables
 from studies.language.refinement import OUTCOME, Refinement
 from studies.language.variation import SOURCES
+from studies.laws.law_words import count_of
 
 from ..stored import refined
 from ..stored.boxes import Columns
 from ..stored.case_solving import method_of
 from ..stored.schema import TEXTS, shapes
 from ..stored.sweep import Sweep, block_size
+from ..words.escaping import bytes_in_words
 from . import shards
 from .block import Chunk
 from .recipe import Places, StoredRun, differences, extend, look, recipe_of, versions_of_code
@@ -204,10 +206,8 @@ def _first_of(plan: Plan) -> str:
 
 def bytes_a_case(study: Study) -> int:
     """Bytes of a case in memory and, at most, in the file."""
-    return (
-        8 * sum(math.prod(shape) for name, shape in shapes(study).items() if name not in ("solved", *TEXTS))
-        + TEXT_BYTES
-    )
+    numbers = (math.prod(shape) for name, shape in shapes(study).items() if name not in ("solved", *TEXTS))
+    return 8 * sum(numbers) + TEXT_BYTES
 
 
 def bytes_of_file(cases: int, bytes_a_case: int) -> int:
@@ -226,30 +226,23 @@ def room(work: Plan, folder: Path, kept: int, part: tuple[int, int] | None = Non
     case, left = bytes_a_case(work.study), shards.free(folder)
     if part is None:
         final, parts = bytes_of_file(work.size, case), max(work.todo - kept, 0) * case
-        needed = (
-            f"the study needs up to {_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
-        )
-        large = f"the file needs at most {_bytes(final)}, and the run another {_bytes(parts)} until it ends"
+        whole, rest = map(bytes_in_words, (final, parts))
+        needed = f"the study needs up to {whole} for the file and {rest} for its parts until it is whole"
+        large = f"the file needs at most {whole}, and the run another {rest} until it ends"
     else:
         missing = shards.gaps_between(shards.shard_ranges(folder, work.todo), *work.part(*part))
         final, parts = 0, sum(stop - start for start, stop in missing) * case
-        needed, large = f"the part needs up to {_bytes(parts)}", f"the part needs at most {_bytes(parts)}"
+        rest = bytes_in_words(parts)
+        needed, large = f"the part needs up to {rest}", f"the part needs at most {rest}"
     if final + parts > left:
-        raise InputError(f"{needed}, but {folder.parent} has {_bytes(left)} left")
+        raise InputError(f"{needed}, but {folder.parent} has {bytes_in_words(left)} left")
     new = f", {work.size - work.todo} of them already stored" if work.todo < work.size else ""
     going = f", {kept} kept from an earlier run" if kept else ""
     if work.study.refine is not None:
         stored = f"; {work.size} cases are stored already" if new else ""
         grid = f"{work.study.coarse().variation.size} cases of the coarse grid"
         return f"{grid}, at most {work.study.refine.budget} in all{stored}{going}"
-    return f"{work.size} case{'s' * (work.size != 1)}{new}{going}{f'; {large}' * (final + parts > TOLD)}"
-
-
-def _bytes(count: int) -> str:
-    for unit, size in (("GB", 1e9), ("MB", 1e6)):
-        if count >= size:
-            return f"{count / size:.3g} {unit}"
-    return f"{count / 1e3:.3g} kB"
+    return f"{count_of(work.size, 'case')}{new}{going}{f'; {large}' * (final + parts > TOLD)}"
 
 
 MOST_TOLD = 5  # differences in one line

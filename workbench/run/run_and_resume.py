@@ -3,8 +3,8 @@
 import json
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager, suppress
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -69,12 +69,6 @@ class Meter:
 Progress = Callable[[int, int], AbstractContextManager[Meter]]  # takes total and done
 
 
-@contextmanager
-def silent_meter(total: int, done: int) -> Iterator[Meter]:
-    """A meter that nobody sees."""
-    yield Meter(total, done)
-
-
 def _clock(seconds: float) -> str:
     minutes, rest = divmod(round(seconds), 60)
     return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"
@@ -130,7 +124,7 @@ def run_to_file(
     output: Path,
     options: RunOptions = DEFAULT,
     say: Callable[[str], None] = lambda text: None,
-    progress: Progress = silent_meter,
+    progress: Progress = lambda total, done: nullcontext(Meter(total, done)),
 ) -> Ran:
     """Solve a study into a file.
 

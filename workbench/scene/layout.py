@@ -23,10 +23,10 @@ from ..words import labels
 from . import body as rods
 from . import composition, long_rod, page, scene_kinds
 from .body import Body
-from .composition import DEFAULT, Scene, room_of
-from .page import Page
+from .composition import room_of
+from .page import Page, Scene
 from .scene_kinds import Cell, Paint, SceneKind, default_kind, kind_of
-from .settings import Settings, check, check_name
+from .settings import DEFAULT, PICTURES, Settings, check, check_name
 from .views import (
     EDGE,
     Camera,
@@ -42,7 +42,6 @@ from .views import (
     one_view_of,
 )
 
-SUFFIXES = (".png", ".jpg")
 HEADS = ("", "s = 0 cm")  # the room before the lines of a long rod
 GHOST = 0.25  # of its thickness is a rod drawn among others
 BESIDE = 0.5  # of the drawn thickness is each of these farther from the wall than the one before, so that all are seen
@@ -64,7 +63,7 @@ def render(
     level: int = 1,
 ) -> Page:
     """Draw a scene and save it; parameters as of `compose`; level: of the compression of a PNG."""
-    path = atomic.check_name(path, SUFFIXES)
+    path = atomic.check_name(path, PICTURES)
     check_name(path, settings)
     picture = compose(stored, at, kind, axes, along, settings)
     page.save(picture, path, level)
@@ -222,18 +221,8 @@ def _in_lines(
             f"elevation of {elevation:g} degrees; draw a part of the rod with --from and --to"
         )
     camera, turned = front_camera(context, lying=True, down=down), -np.radians(azimuth)
-    scene = Scene(
-        stored,
-        kind,
-        [[View([body], Cell())]],
-        context,
-        case,
-        camera,
-        settings,
-        notes,
-        heads=HEADS,
-        ringed=False,
-    )
+    rows = [[View([body], Cell())]]
+    scene = Scene(stored, kind, rows, context, case, camera, settings, notes, heads=HEADS, ringed=False)
     wide, high = (side * settings.dpi for side in room_of(scene))
     lines, ends = long_rod.lines_for(context, (int(wide - 2 * EDGE * settings.dpi), int(high)))
     spans, unit = lines.cut(*body.span), stored.units["length"]
@@ -264,10 +253,8 @@ def _together(
     notes = [f"drawn at {GHOST:.2g} of the thickness, one upon the other"]
     notes += long_rod.notes_on(bodies, stored.units["length"])
     rows, camera = _from_sides(bodies, bodies, settings, down)
-    return composition.compose(
-        Scene(stored, kind, rows, bodies, case, camera, settings, notes,
-              _counts([axis], [len(cases)], [len(line)]), ringed=False, names=words)
-    )  # fmt: skip
+    scene = Scene(stored, kind, rows, bodies, case, camera, settings, notes, ringed=False, names=words)
+    return composition.compose(replace(scene, caption=_counts([axis], [len(cases)], [len(line)])))
 
 
 def _thin(body: Body, k: int) -> Body:

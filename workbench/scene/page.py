@@ -147,13 +147,9 @@ class Scene:
     @property
     def bars(self) -> dict[str, float]:
         """What stands below the views, with its width: from where one view is seen, the weight, scale, colour bar."""
-        label = self.paint.label
+        label, is_turned = self.paint.label, self.camera.seen_from is not None
         each = [
-            (
-                "glyph",
-                signs.GLYPH,
-                self.camera.seen_from is not None and len(self.rows[0]) == 1 and not self.has_true_scale,
-            ),
+            ("glyph", signs.GLYPH, is_turned and len(self.rows[0]) == 1 and not self.has_true_scale),
             ("weight", WEIGHT, self.down is not None),
             ("scale", signs.SCALE, True),
             ("bar", max(BAR, fonts.width_of(label, fonts.SMALL)), bool(label)),
@@ -217,11 +213,8 @@ class Page:
         if not scene.settings.titled:
             self.line, self.more = "", [note for note in notes if note != EMPTY_LINE]
         self.high_line = fonts.height_of(self.line, fonts.SMALL) + ABOVE_WORDS * bool(self.line)
-        self.foot = (
-            0.0
-            if bare
-            else FOOT + NAMED * scene.has_named_ends + true_scale.HIGH * self.has_true_scale + self.high_line
-        )
+        high = FOOT + NAMED * scene.has_named_ends + true_scale.HIGH * self.has_true_scale + self.high_line
+        self.foot = 0.0 if bare else high
         titled, layout = scene.stored if scene.settings.titled and not bare else None, None if bare else "constrained"
         room = size[0] - 2 * canvas.MARGIN - scene.start_of_legend
         self.columns_beside = min(int((room + GAP) / max(width_of_legend(legend), 1e-9)), len(legend))

@@ -12,6 +12,7 @@ from ..figures import colours, fonts
 from .views import views_of
 
 Number = TypeVar("Number", int, float)
+PICTURES = (".png", ".jpg")  # the suffixes of pictures of scenes
 DPIS = (50, 600)
 SIDES = (200, 12_000)  # pixels of a page's width and height
 MOST_PIXELS = 40_000_000

@@ -66,10 +66,8 @@ def tube_parts(body: Body, drawn: Rings) -> list[Part]:
         side = np.arange(sides)
         painted = np.tile(np.repeat((side + sides // (2 * STRIPE)) % sides < sides // STRIPE, 2), s.size - 1)
         striped = np.concatenate([painted, np.zeros(2 * sides, dtype=bool)])
-        triangles, colours = (
-            [mesh.triangles[~striped], mesh.triangles[striped]],
-            [*colours, plain_texture(paint.stripe)],
-        )
+        triangles = [mesh.triangles[~striped], mesh.triangles[striped]]
+        colours.append(plain_texture(paint.stripe))
     at = np.stack([values, up], axis=-1)
     return [Part(mesh.points, mesh.normals, *part, at) for part in zip(triangles, colours, strict=True)]
 

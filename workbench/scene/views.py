@@ -116,9 +116,9 @@ def gravity(stored: StoredStudy, where: Mapping[str, int]) -> Array | None:
     """The direction of the weight of the rods of a case, (3,); None without weight or for several directions."""
     if "weight" not in stored or not stored["weight"].values.any():
         return None
-    angles = (
-        np.unique(stored["inclination"].isel(where, missing_dims="ignore").values) if "inclination" in stored else [0.0]
-    )
+    if "inclination" not in stored:
+        return np.array([0.0, 0.0, -1.0])
+    angles = np.unique(stored["inclination"].isel(where, missing_dims="ignore").values)
     return np.array([np.sin(angles[0]), 0.0, -np.cos(angles[0])]) if len(angles) == 1 else None
 
 

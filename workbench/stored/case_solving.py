@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from solver import Case, Ends, Solution, equilibria, solve
+from solver import Case, Ends, Solution, equilibria, observe, solve
 from solver.equilibria import Equilibria, nearest
 from solver.held.equilibrium_choice import NEAREST, Choose
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
@@ -41,6 +41,11 @@ def knows_orbit(method: str, batched: bool = False) -> bool:
 def rule_of(which: Which | None) -> Choose:
     """The rule by which a study takes the equilibrium of a case."""
     return NEAREST if which is None or which.rule is None else which.rule
+
+
+def which_is(sol: Solution) -> Which:
+    """The equilibrium of a solution, as a study names it."""
+    return Which(index=None, dbeta0=float(sol.dbeta[0]), energy=float(observe(sol, ["energy"])["energy"]))
 
 
 def solve_one(

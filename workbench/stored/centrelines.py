@@ -13,7 +13,7 @@ from solver.problem.errors import InputError
 
 from ..geometry.centreline import NEEDED, Array, Centreline, slopes, spline
 from ..geometry.varying_lines import FreeLine, VaryingLine
-from . import quantity_variables
+from . import quantity_variables, schema
 
 if TYPE_CHECKING:
     from .stored_cases import StoredCases
@@ -31,7 +31,7 @@ def centreline_of(case: "StoredCases") -> Centreline:
         )
     leaves = case.leaves
     varies = leaves or case.loads_vary
-    needed = (*NEEDED, *case.stiffness_fields, *["contact"] * varies, *["radius"] * leaves)
+    needed = (*NEEDED, *schema.stiffness_fields(case.ds), *["contact"] * varies, *["radius"] * leaves)
     missing = [name for name in needed if name not in case]
     if missing:
         lacks = f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs"

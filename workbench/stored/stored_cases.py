@@ -145,11 +145,6 @@ class StoredCases:
         """Whether loads vary along a rod: one has weight or friction."""
         return schema.loads_vary(self.ds)
 
-    @property
-    def stiffness_fields(self) -> tuple[str, ...]:
-        """The fields that determine the bending stiffness of its rods."""
-        return schema.stiffness_fields(self.ds)
-
     @cached_property
     def versions(self) -> dict[str, str]:
         """The versions with which it was made, by package. Raises `InputError`."""
@@ -175,9 +170,8 @@ class StoredCases:
             return ""
         texts = self.ds["caution"].values
         solved = self.ds["solved"].values if "solved" in self.ds else np.ones(texts.shape)
-        return caution_words.restable(
-            texts, solved, self.ds["index"].values == 0 if self.kind is file_kinds.EQUILIBRIA else True
-        )
+        stable = self.ds["index"].values == 0 if self.kind is file_kinds.EQUILIBRIA else True
+        return caution_words.restable(texts, solved, stable)
 
     @cached_property
     def left_out(self) -> str:
@@ -261,9 +255,8 @@ class StoredCases:
 
     def each(self) -> Iterator[Self]:
         """Its cases one by one, in their order."""
-        return (
-            self.select(dict(zip(self.axes, place, strict=True))) for place in np.ndindex(*self.ds["outcome"].shape)
-        )
+        places = np.ndindex(*self.ds["outcome"].shape)
+        return (self.select(dict(zip(self.axes, place, strict=True))) for place in places)
 
     def part(self, **values: str) -> Self:
         """What stands at these names on dimensions of names, as of methods or observables; such a dimension is gone."""
@@ -297,9 +290,8 @@ class StoredCases:
         check_known("caution", key, caution_words.WORDS)
         ds = self.ds
         if "caution" in ds and "outcome" in ds and ds["caution"].dims == ds["outcome"].dims:
-            return type(self)(
-                _without_numbers(ds, ds["caution"].copy(data=caution_words.has_key(ds["caution"], key)), ""), self.kept
-            )
+            where = ds["caution"].copy(data=caution_words.has_key(ds["caution"], key))
+            return type(self)(_without_numbers(ds, where, ""), self.kept)
         parts = [part for part in PARTS if f"{part}_{BACK}" in ds]
         if not parts or key != caution_words.TURNED:
             raise InputError(f"this file does not tell which of its rods are {key!r}")
@@ -312,10 +304,8 @@ class StoredCases:
     @cached_property
     def observables(self) -> list[str]:
         """The observables that are stored for each case, in the order of the file; of a sweep, its branches too."""
-        names = [name for name in self.variables if self._is_number_of_each_case(name)]
-        return [
-            name for name in names if not name.endswith("error") and name not in NOT_OBSERVED and self._varies(name)
-        ]
+        names = [name for name in self.variables if not (name.endswith("error") or name in NOT_OBSERVED)]
+        return [name for name in names if self._is_number_of_each_case(name) and self._varies(name)]
 
     @cached_property
     def all_observables(self) -> list[str]:

@@ -59,6 +59,12 @@ def show(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
+def bytes_in_words(count: int) -> str:
+    """``1.2 GB``, ``48.1 MB``, ``9 kB``."""
+    unit, size = next((each for each in (("GB", 1e9), ("MB", 1e6)) if count >= each[1]), ("kB", 1e3))
+    return f"{count / size:.3g} {unit}"
+
+
 def in_json(text: str) -> str:
     """JSON text in which unprintable characters are escaped; letters of every language stay."""
     return _COMMANDS.sub(lambda match: match[0] if match[0].isprintable() else json.dumps(match[0])[1:-1], text)

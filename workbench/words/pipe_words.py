@@ -220,8 +220,8 @@ def warnings(sol: "Solution", units: dict[str, str], rows: list[ProfileRow]) -> 
 
 def _wrong_units(sol: "Solution", units: dict[str, str]) -> list[str]:
     """That no material is so stiff or so heavy: a number was meant in another unit."""
-    rod, megapascals = sol.case.rod, unit_habits.megapascals(units)
-    stiffness = float(rod.E or 0) * megapascals
+    rod = sol.case.rod
+    stiffness = float(rod.E or 0) * unit_habits.size("MPa", (-2, 1), units)
     section = math.pi * float(rod.a) ** 2  # it may leave the range of floats
     in_newtons = unit_habits.size("N/m^3", (-3, 1), units)
     density = float(rod.weight or 0) * in_newtons / (GRAVITY * section) if section else 0.0

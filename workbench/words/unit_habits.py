@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 
 from solver.problem.quantities import AT_START, unit_of
-from solver.problem.units import FORCES, LENGTHS, UnknownUnit, size_in, unit_size
+from solver.problem.units import UnknownUnit, size_in, unit_size
 
 # exponents of length, force and angle
 LENGTH, STRESS, LINE_LOAD, CURVATURES = (1, 0, 0), (-2, 1, 0), (-1, 1, 0), ((-1, 0, 0), (-1, 0, 1))
@@ -79,11 +79,6 @@ def size(unit: str, dimension: tuple[int, ...], units: Mapping[str, str]) -> flo
 def value_with_unit(name: str, value: float, units: Mapping[str, str], digits: int = 4) -> str:
     """A value of a quantity or field in the unit in which it is stated, with it: ``4.25 in``."""
     return f"{plain(value * size_shown(name, units), digits)} {unit_shown(name, units)}"
-
-
-def megapascals(units: Mapping[str, str]) -> float:
-    """How many MPa are one of the unit of stress."""
-    return FORCES[units["force"]] / LENGTHS[units["length"]] ** 2 / 1e6
 
 
 def margin_words(bend: Mapping[str, float], name: str, units: Mapping[str, str]) -> str:

@@ -37,7 +37,7 @@ from ...export.file_format import ExportOptions
 from ...export.stored_rod import export
 from ...run import dataset_assembly
 from ...run.block import columns
-from ...stored.case_solving import rule_of, solve_one
+from ...stored.case_solving import rule_of, solve_one, which_is
 from ...stored.stored_study import StoredStudy
 from ...words import caution_words, free_rod_words, labels, pipe_profile, pipe_words, unit_habits
 
@@ -49,7 +49,7 @@ TOL = DEFAULT_TOLERANCE
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends or weight
 OFF_WALL_TOL, SENT = 3e-3, 801  # of a rod that may leave the cylinder: some pixels of a view; stations that are sent
 LEAST_ERROR = 1e-5  # of its length, which an exported curve may be off
-MOST_LISTED = 100  # half periods of a rod between two ends whose equilibria are all found, in some tenths of a second
+MOST_HALF_WAVES = 100  # of beta between two ends, up to which all equilibria are found, in some tenths of a second
 MOST_NODES = 1500  # of a rod with weight or friction: a pipe of some 3 km, which takes seconds
 SAME = 1e-3  # relative difference that beta'(0) may have from the one that is named
 LEVEL = 1e-6  # beta'(0) in units of 1/rho, below which it is 0
@@ -213,7 +213,7 @@ def _resolve(study: Study, case: Case, sol: Solution) -> LiveRod:
 
 def _between(study: Study, case: Case, lost: bool) -> Solution:
     which, half_periods = study.equilibrium, _half_periods(case)
-    many = half_periods > MOST_LISTED
+    many = half_periods > MOST_HALF_WAVES
     if which is None or which.dbeta0 is None or (lost and many):
         return solve(case, TOL, stations=BETWEEN, choose=rule_of(None if lost and many else which))
     near: tuple[dict[str, Any], ...] = ({"seed": which.dbeta0}, {"choose": rule_of(which)})
@@ -235,14 +235,14 @@ def refuse_many(case: Case) -> None:
     """Raise `InputError` where finding all equilibria of a rod would take too long for the page."""
     if case.varies:
         raise InputError("of a rod with weight or friction the page shows the equilibrium of workbench solve alone")
-    if (half_periods := _half_periods(case)) > MOST_LISTED:
+    if (half_periods := _half_periods(case)) > MOST_HALF_WAVES:
         raise InputError(_too_many(half_periods))
 
 
 def _too_many(half_periods: float) -> str:
     return (
         f"between these ends and under these loads beta may have some {half_periods:.0f} half waves, and the page "
-        f"searches at most {MOST_LISTED}: use workbench equilibria"
+        f"searches at most {MOST_HALF_WAVES}: use workbench equilibria"
     )
 
 
@@ -314,13 +314,8 @@ def facts(one: LiveRod) -> dict[str, Any]:
         "details": [sentence for sentence in said if not sentence.startswith(KEPT)],
         "numbers": _observations(sol, units, SLOW) if is_served(one) else None,
         **({"contacts": sol.contacts, "point_forces": sol.point_forces} if sol.case.leaves else {}),
-        **({} if one.held is None else {"equilibrium": _names_of(one.held)}),
+        **({} if one.held is None else {"equilibrium": which_is(one.held).model_dump(exclude_none=True)}),
     }
-
-
-def _names_of(held: Solution) -> dict[str, float]:
-    """How a state names an equilibrium."""
-    return {"dbeta0": float(held.dbeta[0]), "energy": float(observe(held, ["energy"])["energy"])}
 
 
 def _observations(sol: Solution, units: Mapping[str, str], left_out: Sequence[str] = ()) -> dict[str, Any]:
@@ -379,13 +374,11 @@ def rod_as_dataset(one: LiveRod) -> Any:
     """The dataset of a solved rod, as `workbench run` stores it. Raises `InputError` for a part of a rod."""
     if not one.whole:
         raise InputError("only a part of this rod is shown: run it as a study to export it")
-    study = one.study.model_copy(
-        update={
-            "stations": one.sol.s.size,
-            "outputs": ["beta", "dbeta", "alpha", "z", "contact", *["radius"] * one.sol.case.leaves],
-        }
-        | ({"tol": one.sol.tol} if one.sol.case.leaves else {})
-    )
+    outputs = ["beta", "dbeta", "alpha", "z", "contact"]
+    stored: dict[str, Any] = {"stations": one.sol.s.size, "outputs": outputs}
+    if one.sol.case.leaves:
+        stored |= {"outputs": [*outputs, "radius"], "tol": one.sol.tol}
+    study = one.study.model_copy(update=stored)
     return dataset_assembly.make(study, Dimensions(), columns(study, one.sol))
 
 
@@ -398,10 +391,8 @@ def file(one: LiveRod, kind: str) -> bytes:
         path = Path(folder) / f"rod.{kind}"
         try:
             export(stored, path, options)
-        except InputError as error:
-            raise InputError(
-                str(error).partition("; --")[0]
-            ) from None  # the page has none of the options that the rest names
+        except InputError as error:  # the page has none of the options that the rest of it names
+            raise InputError(str(error).partition("; --")[0]) from None
         return path.read_bytes()
 
 

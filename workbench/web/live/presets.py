@@ -9,12 +9,12 @@ from solver import Case, Ends, observe, solve
 from solver.problem.dimensionless import fields_held
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
 from studies import tenants
-from studies.grammar.axes import Which, quantity_of
+from studies.grammar.axes import quantity_of
 from studies.language.case_input import CaseInput, field_values, read_case
 from studies.language.printed import table_of
 
 from ...stored.case_of_file import open_case
-from ...stored.case_solving import solve_one
+from ...stored.case_solving import solve_one, which_is
 from ...words import labels
 from ...words.assumptions import assumption, units_sentence
 from .. import pages
@@ -117,9 +117,8 @@ def _under_dead_loads(rod: CaseInput) -> CaseInput:
     ends = Ends(float(sol.beta[0]), float(sol.beta[-1]), **{name: float(getattr(sol, name)) for name in DEAD_LOADS})
     case = replace(rod.case, given=ends)
     dead = solve(case, stations=page_model.BETWEEN, seed=float(sol.dbeta[0]))
-    which = Which(index=None, dbeta0=float(dead.dbeta[0]), energy=float(observe(dead, ["energy"])["energy"]))
     source = f"{rod.source}, under the loads that hold its {choices(held)}"
-    return replace(rod, case=case, source=source, which=which, study=None)
+    return replace(rod, case=case, source=source, which=which_is(dead), study=None)
 
 
 def _state(rod: CaseInput, title: str, as_printed: bool) -> dict[str, Any]:

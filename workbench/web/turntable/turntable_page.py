@@ -192,10 +192,8 @@ def turntable_of_dataset(
         "extremes": [min(pushes[0] for pushes in along), max(pushes[1] for pushes in along)],
         "units": stored.units,
     }
-    return StoredTurntable(
-        data,
-        [_omissions(stored, name, rows) for name, rows in chosen.items() if len(rows) < stored.sizes[name]],
-    )
+    fewer = {name: rows for name, rows in chosen.items() if len(rows) < stored.sizes[name]}
+    return StoredTurntable(data, [_omissions(stored, name, rows) for name, rows in fewer.items()])
 
 
 def stations_for(line: Centreline) -> int:
@@ -277,10 +275,8 @@ def _case(stored: StoredStudy, where: Mapping[str, int], line: Centreline | None
 def _sample(stored: StoredStudy, where: Mapping[str, int]) -> str:
     """The values of the sampled fields of a case, as a sentence."""
     names = [name for name in stored.sampled if name in stored] if SAMPLE in stored.sizes else []
-    values = [
-        (name, float(stored[name].isel({k: i for k, i in where.items() if k in stored[name].dims}))) for name in names
-    ]
-    texts = [labels.equation(stored[name], value) for name, value in values]
+    arrays = [stored[name].isel(dict(where), missing_dims="ignore") for name in names]
+    texts = [labels.equation(array, float(array)) for array in arrays]
     return f"{', '.join(texts)}." if texts else ""
 
 
