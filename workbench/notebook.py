@@ -23,6 +23,7 @@ from solver.observe.observables import observe
 from solver.problem.errors import InputError, show, yes_or_no
 from solver.problem.quantities import quantity, unit_of
 from solver.problem.units import FORCES, LENGTHS
+from studies.language.case_input import fields_of
 
 from .branches.equilibria_dataset import all_units, of_solution
 from .branches.equilibria_dataset import loops_as_dataset as loops_as_dataset  # `Loops.to_dataset` looks it up here
@@ -269,9 +270,8 @@ def _axes(sol: Solution) -> dict[str, Any]:
 
 
 def _fields(sol: Solution) -> dict[str, Any]:
-    parts = (sol.case.rod, sol.case.cylinder, sol.case.given)
-    values = {field.name: getattr(part, field.name) for part in parts for field in fields(part)}
-    return {name: value for name, value in values.items() if value is not None and not isinstance(value, str)}
+    values = fields_of(sol.case).items()
+    return {name: value for name, value in values if value is not None and not isinstance(value, str)}
 
 
 def _varies_along(value: Any, shape: tuple[int, ...]) -> list[int]:

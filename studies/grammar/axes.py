@@ -283,9 +283,8 @@ class Axis(BaseModel):
     values: list[float] | None = Field(None, fail_fast=True)
     from_: float | None = Field(None, alias="from")
     to: float | None = None
-    count: int | None = Field(
-        None, le=10**15
-    )  # the limit of a grid is checked later; this one keeps its arithmetic within floats
+    # the limit of a grid is checked later; this one keeps its arithmetic within floats
+    count: int | None = Field(None, le=10**15)
     spacing: Literal["linear", "geometric"] = "linear"
     unit: str | None = None
     follow: bool = False

@@ -303,7 +303,7 @@ def force_kept(given: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str
 
 def with_values(case: Case, values: Mapping[str, Any], units: Mapping[str, str]) -> Case:
     """The case with some fields replaced, those of `of_a_well` too. Raises `InputError`."""
-    known = {name: value for name, value in _fields_of(case).items() if value is not None}
+    known = {name: value for name, value in fields_of(case).items() if value is not None}
     return _case_of(*under_start_force(with_fields(case, of_a_well(values, known)), values, units["force"]), units)
 
 
@@ -327,7 +327,7 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
 
     Raises `InputError` for a field that the case does not have.
     """
-    values = _fields_of(case)
+    values = fields_of(case)
     for name in changes:
         if name not in values:
             kind, names = _name(type(case.given)), choices(PARTS[case.kind])
@@ -340,12 +340,12 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
 
 def field_values(case: Case) -> dict[str, Any]:
     """The fields of a case by name, as plain numbers and words; without those that are None."""
-    values = _fields_of(case)
+    values = fields_of(case)
     said = {name: value for name, value in values.items() if is_said(name, value) and is_met(name, values)}
     return {name: value if isinstance(value, str) else float(value) for name, value in said.items()}
 
 
-def _fields_of(case: Case) -> dict[str, Any]:
+def fields_of(case: Case) -> dict[str, Any]:
     """Every field of a case by name, None where it is not given."""
     return {name: getattr(part, name) for part in (case.rod, case.cylinder, case.given) for name in part.__match_args__}
 

@@ -42,13 +42,7 @@ INDICES = {
 
 
 def sweep(
-    study: Study,
-    case: Case,
-    name: str,
-    values: Any,
-    step: Step,
-    show: str | None = None,
-    points: int | None = None,
+    study: Study, case: Case, name: str, values: Any, step: Step, show: str | None = None, points: int | None = None
 ) -> xr.Dataset:
     """All equilibria of an ends problem at each value of one field, joined into branches.
 

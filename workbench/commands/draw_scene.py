@@ -151,20 +151,15 @@ def _frames(
     from ..export.stored_rod import name_of_file
     from ..scene.settings import PICTURES
 
-    free = [rods.axis(along)] if along else [name for name in rods.axes if name not in where]
-    if kind.cells != "one" or len(free) != 1:
-        why = f"the axes {choices(free)} remain: choose one with --along" if free else "no axis remains"
-        why = f"the kind {kind.name} shows several at once" if kind.cells != "one" else why
-        raise InputError(f"{out.name} has a picture for each case along one axis, and {why}")
-    cases = [(case, case[free[0]]) for case in rods.places(free[0], where)]
-    files = [
-        (float(rods[free[0]].values[i]), out.with_name(name_of_file(out.name, i)))
-        for case, i in cases
-        if rods["solved"].isel(case)
-    ]
-    if not files:
-        raise InputError(f"no case along {free[0]} is solved: there is nothing to draw")
-    return free[0], [(at, check_file(file, PICTURES, force)) for at, file in files]
+    what = f"{out.name} has a picture for each case"
+    if kind.cells != "one":
+        raise InputError(f"{what} along one axis, and the kind {kind.name} shows several at once")
+    way = rods.axis(along) if along else rods.axis_left(where, what, "choose one with --along")
+    solved = [case[way] for case in rods.places(way, where) if rods["solved"].isel(case)]
+    if not solved:
+        raise InputError(f"no case along {way} is solved: there is nothing to draw")
+    files = [check_file(out.with_name(name_of_file(out.name, i)), PICTURES, force) for i in solved]
+    return way, [(float(rods[way].values[i]), file) for i, file in zip(solved, files, strict=True)]
 
 
 def _page(

@@ -280,8 +280,8 @@ def _show_data(found: "Fit", asked: "CaseInput") -> None:
         pair: list[Any] = ["", "", ""] if targets else []
         if group in targets:
             name = target_parts(group)[0]
-            both = (number_stated(name, float(v[mine][0]), asked.units) for v in (found.measured, found.computed))
-            pair = [*both, unit_stated(name, asked.units)]
+            stated = (number_stated(name, float(v[mine][0]), asked.units) for v in (found.measured, found.computed))
+            pair = [*stated, unit_stated(name, asked.units)]
         rows.append([label, *pair, f"{math.sqrt(float(np.mean(found.residuals[mine] ** 2))):.3g}", *shares])
     heads = ["datum", *(["wanted", "fitted", "unit"] if targets else []), "residual"]
     tables.print_table([*heads, *(f"share in {name}" for name in found.values)], rows)

@@ -38,8 +38,7 @@ class PlotOptions:
     """What `plot` is asked to draw, and how; the names of most are those of the options of a kind of figure."""
 
     out: Annotated[
-        Path | None,
-        option("FILE", "Picture, .png, .pdf or .svg; default: FILE with the ending .png.", "--out", "-o"),
+        Path | None, option("FILE", "Picture, .png, .pdf or .svg; default: FILE with the ending .png.", "--out", "-o")
     ] = None
     kind: Annotated[
         str | None,

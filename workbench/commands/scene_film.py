@@ -1,6 +1,6 @@
 """A film of the cases along an axis, or of a rod that is let go, by the command scene."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -105,7 +105,11 @@ def _along_axis(
 
     Raises `InputError` where the axis is not known, and for a kind that makes no film.
     """
-    axis = wanted.along or next(iter(wanted.axes), None) or _axis_left(file, rods, shown.at)
+    axis = (
+        wanted.along
+        or next(iter(wanted.axes), None)
+        or rods.axis_left(shown.at, f"a film of {file} runs", "choose one with --axis")
+    )
     if axis in shown.at:
         raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
     is_solved = not wanted.stored and study_scene.field_between(rods, axis) is not None
@@ -134,16 +138,3 @@ def _along_axis(
 def _folders(out: Path) -> list[Path]:
     """Where the cases that tell the pace of a film are kept, and its own."""
     return [shards.folder_of(path) for path in (out.with_stem(f"{out.stem}_pace"), out)]
-
-
-def _axis_left(file: Path, rods: StoredStudy, at: Mapping[str, float]) -> str:
-    """The one axis that has no value yet. Raises `InputError` for none and for several."""
-    if not rods.axes:
-        raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")
-    named = {rods.axis(name) for name in at}
-    left = [name for name in rods.axes if name not in named]
-    if not left:
-        raise InputError(f"--at names every axis of {file}, so nothing changes from frame to frame")
-    if len(left) > 1:
-        raise InputError(f"{file} has several axes: choose one with --axis from {choices(left)}")
-    return left[0]

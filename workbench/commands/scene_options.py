@@ -41,10 +41,7 @@ class SceneOptions:
     low: Annotated[float | None, number_option("First arc length drawn [length]; default: 0.", "--from")] = None
     high: Annotated[float | None, number_option("Last arc length drawn [length]; default: L.", "--to")] = None
     pixel_error: PixelError = 0.5
-    dpi: Annotated[
-        int | None,
-        option("DPI", "Resolution [pixels/inch]; default: 200, of a film 160."),
-    ] = None
+    dpi: Annotated[int | None, option("DPI", "Resolution [pixels/inch]; default: 200, of a film 160.")] = None
     camera: Annotated[
         str | None,
         option(

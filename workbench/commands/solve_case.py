@@ -163,10 +163,8 @@ def solve(
         taken = which is not None or not (base.case.varies or base.case.leaves)  # else there is no list of equilibria
         title = f"{base.title}, let go" if let_go and not (base.study and base.study.let_go) else base.title
         plain = loads(text_of_solution(title, base.units, before, taken))
-        settings: dict[str, Any] = {"tol": tol, "stations": sol.t.shape[-1]}
-        settings |= (
-            {"name": name} | ({} if method is None else {"method": method}) | ({"let_go": True} if let_go else {})
-        )
+        settings: dict[str, Any] = {"name": name, "tol": tol, "stations": sol.t.shape[-1]}
+        settings |= ({} if method is None else {"method": method}) | ({"let_go": True} if let_go else {})
         plain = loads(dumps(plain.model_copy(update=settings)))
         settings["observables"] = [*chosen.observables(sol.case.rod, leaves)]
         return loads(dumps(chosen.of(plain).model_copy(update=settings)))

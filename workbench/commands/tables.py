@@ -69,15 +69,18 @@ def number_stated(name: str, value: float, units: Mapping[str, str]) -> float:
 
 def unit_stated(name: str, units: Mapping[str, str]) -> str:
     """The unit in which engineers state a quantity or a field; degrees for an angle, nothing for a plain number."""
-    unit = unit_habits.unit_shown(name, units)
-    return {"rad": "deg", "1": ""}.get(unit, unit)
+    return _in_degrees(unit_habits.unit_shown(name, units))
 
 
 def unit_printed(name: str, units: Mapping[str, str]) -> str:
     """The unit of a quantity or a field as it is printed; nothing for a plain number."""
     from studies.grammar.axes import quantity_of
 
-    unit = unit_of(quantity_of(name).name, units)
+    return _in_degrees(unit_of(quantity_of(name).name, units))
+
+
+def _in_degrees(unit: str) -> str:
+    """A unit as it is printed: degrees for angles, nothing for a plain number."""
     return {"rad": "deg", "1": ""}.get(unit, unit)
 
 

@@ -52,17 +52,10 @@ def columns(rod: ExportedRod) -> list[Column]:
             known[name] = np.asarray(array.values, dtype=float)
     order = [*FIRST, *(name for name in known if name not in FIRST)]
     x, y, _ = line.place.T
-    known |= {"x": x, "y": y}
-    words = {"x": "position across the axis, where alpha = 0", "y": "position across the axis, where alpha = 90 deg"}
-    return [
-        Column(
-            name,
-            known[name],
-            units["length"] if name in words else unit_of(name, units),
-            words.get(name) or QUANTITIES[name].long_name,
-        )
-        for name in order
-    ]
+    said = {name: (unit_of(name, units), QUANTITIES[name].long_name) for name in known}
+    for name, values, azimuth in (("x", x, "0"), ("y", y, "90 deg")):
+        known[name], said[name] = values, (units["length"], f"position across the axis, where alpha = {azimuth}")
+    return [Column(name, known[name], *said[name]) for name in order]
 
 
 def write(path: Path, rod: ExportedRod) -> dict[str, Any]:

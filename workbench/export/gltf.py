@@ -20,14 +20,8 @@ def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
 
     mesh, s, off = tube(rod)
     rgba = np.round(255 * np.append(rod.shades(rod.line.push(s)), np.ones((s.size, 1)), axis=1)).astype(np.uint8)
-    surface = trimesh.Trimesh(
-        mesh.points[:, [1, 2, 0]],
-        mesh.triangles,
-        vertex_normals=mesh.normals[:, [1, 2, 0]],
-        vertex_colors=rgba,
-        process=False,
-        validate=False,
-    )
+    points, normals = mesh.points[:, [1, 2, 0]], mesh.normals[:, [1, 2, 0]]
+    surface = trimesh.Trimesh(points, mesh.triangles, vertex_normals=normals, vertex_colors=rgba, process=False)
     scene = trimesh.Scene()
     scene.add_geometry(surface, node_name=rod.title, transform=np.diag([*3 * [metres(rod.unit)], 1.0]))
     options: Any = {"include_normals": True, "tree_postprocessor": _with_material}

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
-from solver.problem.errors import InputError, choices
+from solver.problem.errors import InputError
 
 from ..stored.stored_study import StoredStudy
 from . import vtp
@@ -39,13 +39,7 @@ def along(stored: StoredStudy, name: str, options: ExportOptions) -> Series:
 
     Raises `InputError` where no axis or more than one remains, or no case along it is solved.
     """
-    named = {stored.axis(key) for key in options.at}
-    free = [axis for axis in stored.axes if axis not in named]
-    free = [axis for axis in free if stored.sizes[axis] > 1] or free
-    if len(free) != 1:
-        said = f"the axes {choices(free)} remain: name all but one with --at" if free else "no axis remains"
-        raise InputError(f"these files go along one axis, and {said}")
-    (axis,) = free
+    axis = stored.axis_left(options.at, "these files go", "name all but one with --at")
     cases = stored.places(axis, options.at)
     rods = []
     for case in cases:

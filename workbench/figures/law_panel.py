@@ -60,8 +60,7 @@ def titles(laws: Sequence[LawLine], room: float, size: float) -> list[str]:
 def _noun(law: LawLine) -> str:
     """The observable of a law as a title begins with it."""
     full = labels.long_name(law.observable)
-    noun = full if len(full) <= LONGEST_NOUN else labels.symbol(law.observable)
-    return noun[:1].upper() + noun[1:] if noun[:1].isascii() else noun
+    return labels.capital(full if len(full) <= LONGEST_NOUN else labels.symbol(law.observable))
 
 
 def _rule(law: LawLine) -> str:

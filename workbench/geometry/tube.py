@@ -48,11 +48,11 @@ def mesh(frame: Frame, radius: float, sides: int, turned: Array | None = None, s
     """
     n = len(frame[0])
     points, normals = surface(frame, radius, sides, turned, sharp)
-    if turned is None:
-        return Mesh(points, normals, triangles(n, sides, sharp))
-    _, _, out, across = frame
-    first, angle = normals[: n * sides : sides], turned[:-1, None]
-    ahead = np.einsum("ij,ij->i", first[1:], np.cos(angle) * across[:-1] - np.sin(angle) * out[:-1]) > 0
+    ahead = np.zeros(n - 1, dtype=bool)
+    if turned is not None:
+        _, _, out, across = frame
+        first, angle = normals[: n * sides : sides], turned[:-1, None]
+        ahead = np.einsum("ij,ij->i", first[1:], np.cos(angle) * across[:-1] - np.sin(angle) * out[:-1]) > 0
     index = np.arange(n * sides).reshape(n, sides)
     return Mesh(points, normals, np.concatenate([_walls(index, ahead), _ends(n, sides, sharp)]))
 
@@ -100,12 +100,6 @@ def at_points(values: NDArray[Any], sides: int, sharp: bool = True) -> NDArray[A
     """Values at the rings, (n, ...), as values at the points of the tube, (m, ...)."""
     ends = np.repeat(values[[0, -1]], sides + 1 if sharp else 1, axis=0)
     return np.concatenate([np.repeat(values, sides, axis=0), ends])
-
-
-def triangles(n: int, sides: int, sharp: bool = True) -> NDArray[np.int64]:
-    """The triangles of a tube of n rings, all squares with the same diagonal, (k, 3)."""
-    index = np.arange(n * sides).reshape(n, sides)
-    return np.concatenate([_walls(index, np.zeros(n - 1, dtype=bool)), _ends(n, sides, sharp)])
 
 
 def _walls(index: NDArray[np.int64], ahead: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -87,16 +87,10 @@ def local(
     ds["derivative"] = ("observable", "field"), np.stack(slopes)
     ds["value"], ds["error"] = ("observable", value), ("observable", error)
     ds["at"] = "field", [known[name] for name in names]
-    ds["unit"], ds["field_unit"] = (
-        (dim, [unit_of(name, units) for name in listed]) for dim, listed in (("observable", outputs), ("field", names))
-    )
-    ds["derivative_unit"] = (
-        ("observable", "field"),
-        [
-            [o if f == "1" else f"{o} per {f}" for f in ds["field_unit"].values.tolist()]
-            for o in ds["unit"].values.tolist()
-        ],
-    )
+    of_outputs, of_fields = ([unit_of(name, units) for name in listed] for listed in (outputs, names))
+    ds["unit"], ds["field_unit"] = ("observable", of_outputs), ("field", of_fields)
+    per = [[of if by == "1" else f"{of} per {by}" for by in of_fields] for of in of_outputs]
+    ds["derivative_unit"] = ("observable", "field"), per
     ds["remark"] = "observable", [str(sensitivity.remarks[name]) for name in outputs]
     return _with_effects(ds, solution, known, units)
 
@@ -154,9 +148,8 @@ def _no_forecast(fields: NDArray[np.str_]) -> str:
 
 def sentences(table: xr.Dataset) -> list[str]:
     """What the table says beside its numbers, one sentence each."""
-    fields = {
-        str(name): str(amount) for name, amount in zip(table["field"].values, table["amount"].values, strict=True)
-    }
+    fields = dict(zip(table["field"].values.tolist(), table["amount"].values.tolist(), strict=True))
+    shown = dict(zip(table["observable"].values.tolist(), table["effect_unit"].values.tolist(), strict=True))
     said = ["Each number is the change of an observable for 1 % of a field, in % of its value: the elasticity."]
     less = [name for name, amount in fields.items() if amount == "1 %" and table["at"].sel(field=name) < 0]
     less += [str(name) for name in table["observable"].values if table["value"].sel(observable=name) < 0]
@@ -170,12 +163,8 @@ def sentences(table: xr.Dataset) -> list[str]:
     if zero:
         changes = ", ".join(f"{name} by {amount}" for name, amount in zero.items())
         said.append(f"A field that is 0 is changed by 1 % of the largest field of its unit: {changes}.")
-    absolute = [
-        str(name) for name in table["observable"].values if table["effect_unit"].sel(observable=name) != PERCENT
-    ]
-    if absolute:
-        changes = ", ".join(f"{name} [{table['effect_unit'].sel(observable=name).values!s}]" for name in absolute)
-        said.append(f"An observable that is 0, or an angle, changes by an amount and not by a share: {changes}.")
+    if absolute := ", ".join(f"{name} [{unit}]" for name, unit in shown.items() if unit != PERCENT):
+        said.append(f"An observable that is 0, or an angle, changes by an amount and not by a share: {absolute}.")
     if none := without_effect(table):
         said.append(f"No observable here depends on {', '.join(none)}.")
     for name, remark in zip(table["observable"].values, table["remark"].values, strict=True):
@@ -200,11 +189,9 @@ def counts_left_out(names: Iterable[str]) -> str:
 
 
 def _observables(rod: Rod, names: Iterable[str] | None) -> list[str]:
-    observables = (
-        [name for name in observables_of(rod) if name in REAL]
-        if names is None
-        else list(dict.fromkeys(map(current, names)))
-    )
+    if names is None:
+        return [name for name in observables_of(rod) if name in REAL]
+    observables = list(dict.fromkeys(map(current, names)))
     for name in observables:
         if name not in OBSERVABLES:
             raise no_such("observable", name, REAL)

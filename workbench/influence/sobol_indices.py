@@ -108,11 +108,7 @@ def sobol(
     values = np.stack([np.where(solved, section[name].values.astype(float), np.nan) for name in names], axis=1)
     result = analyse(design, values, fields, names, confidence, seed)
     labels = {name: {"symbol": name, "units": "1", **stored[name].attrs} for name in map(str, [*fields, *names])}
-    attributes = {
-        "title": stored.attrs["title"],
-        "reading": stored.attrs.get("reading", ""),
-        "sampling": stored.attrs.get("sampling", ""),
-    }
+    attributes = {key: stored.attrs.get(key, "") for key in ("title", "reading", "sampling")}
     attributes |= {f"at {axis}": float(stored[axis][i]) for axis, i in held.items()}
     words = {"unsolved": int((~solved).sum()), "samples": samples.shape[0]}
     texts = {key: ("observable", [str(labels[name][key]) for name in names]) for key in ("symbol", "units")}

@@ -116,7 +116,7 @@ def of_readings(readings: StoredStudy | None) -> dict[str, Any] | None:
 def sentence(text: str) -> str:
     """A remark as a sentence; a Greek letter at its beginning is kept."""
     typeset = labels.typeset(in_degrees(text))
-    return f"{typeset[0].upper() if typeset[0].isascii() else typeset[0]}{typeset[1:]}." if typeset else ""
+    return labels.sentence(typeset) if typeset else ""
 
 
 def in_degrees(text: str) -> str:

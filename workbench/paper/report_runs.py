@@ -63,10 +63,7 @@ def run_readings(
 
 
 def _rows_as_dataset(
-    studies: Sequence[Study],
-    readings: Sequence[str],
-    rows: list[list[dict[str, Any]]],
-    unsolved: list[list[int]],
+    studies: Sequence[Study], readings: Sequence[str], rows: list[list[dict[str, Any]]], unsolved: list[list[int]]
 ) -> xr.Dataset:
     dims = ("reading", "law")
     laws = [

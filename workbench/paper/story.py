@@ -212,10 +212,8 @@ def law(stored: StoredStudy, ax: Axes) -> str:
 
 def claims(stored: StoredStudy, ax: Axes) -> None:
     """The verdict on each claim, (reading, claim), as a table of marks: a row a claim, a column a reading."""
-    names, readings = (
-        [str(value) for value in stored["claim"].values],
-        [parse(str(value)).symbols for value in stored["reading"].values],
-    )
+    names = [str(value) for value in stored["claim"].values]
+    readings = [parse(str(value)).symbols for value in stored["reading"].values]
     verdicts, wide = stored["claim_verdict"].values.astype(str), bool(fonts.inches(ax)[0] > WIDE_TABLE)
     for (j, i), verdict in np.ndenumerate(verdicts):
         ax.plot(j, i, **_mark(verdict))

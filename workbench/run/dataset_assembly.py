@@ -38,11 +38,7 @@ Piece = tuple[Places, Columns]  # places of cases in a box, rising, and their va
 
 
 def make(
-    study: Study,
-    over: Dimensions,
-    columns: Columns,
-    remarks: Mapping[str, str] | None = None,
-    case: Case | None = None,
+    study: Study, over: Dimensions, columns: Columns, remarks: Mapping[str, str] | None = None, case: Case | None = None
 ) -> xr.Dataset:
     """The dataset of a study as it was run, from its columns (`run.block.columns`) in the order of the grid.
 

@@ -85,11 +85,7 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
 
 
 def write_cases(
-    frame: xr.Dataset,
-    path: Path,
-    size: int,
-    variables: schema.CaseVariables,
-    windows: Iterable[tuple[Where, Columns]],
+    frame: xr.Dataset, path: Path, size: int, variables: schema.CaseVariables, windows: Iterable[tuple[Where, Columns]]
 ) -> None:
     """Write a dataset to a new file, and into it the variables of each case, box by box.
 

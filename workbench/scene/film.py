@@ -249,7 +249,7 @@ def _begin(fig: Figure, film: Film, scene: Scene, lying: bool) -> None:
     notes = [*scene.seen_along, *beyond, *(long_rod.notes_on(scene.context, stored.units["length"]) * inside)]
     start = max(2.3, 2 * left + fonts.width_of(paint.label, fonts.SMALL) + 0.1)  # beside the bar
     room = across - start - (0.1 if weight is None else 1.2)
-    said = [fonts.break_lines(text, room, fonts.SMALL) for text in (note[:1].upper() + note[1:], stored.left_out)]
+    said = [fonts.break_lines(text, room, fonts.SMALL) for text in (labels.capital(note), stored.left_out)]
     ax.text(
         start, tall - 0.24, "\n".join(filter(None, [", ".join(notes), *said])), size=fonts.SMALL, color=colours.SOFT
     )
@@ -268,7 +268,7 @@ def _draw_case(fig: Figure, film: Film, stored: StoredStudy, i: int) -> Iterator
     ax, array = fig.axes[0], stored[film.axis]
     left, right = canvas.MARGIN, film.size[0] - canvas.MARGIN
     words, name = _value(stored, film.axis, i), labels.long_name(array)
-    name = labels.equation(array, array.values[i]) if film.axis == SAMPLE else name[:1].upper() + name[1:]
+    name = labels.equation(array, array.values[i]) if film.axis == SAMPLE else labels.capital(name)
     yield ax.text(right, left + 0.02, name, color=colours.SOFT, va="top", ha="right")
     room = right - left - fonts.width_of(name, fonts.NORMAL) - 0.1
     size = next((size for size in TITLES if fonts.width_of(words, size) < room), TITLES[-1])
@@ -362,7 +362,7 @@ def _draw_diagram(ax: Axes, stored: StoredStudy, film: Film) -> None:
     name = labels.label(stored[film.observable], long=True)
     if has_line and fonts.width_of(name, fonts.SMALL) > wide:  # no room for two lines
         name = labels.label(stored[film.observable])
-    name = fonts.break_lines(name[:1].upper() + name[1:], wide, fonts.SMALL)
+    name = fonts.break_lines(labels.capital(name), wide, fonts.SMALL)
     ax.set_title(name, loc="left", size=fonts.SMALL, pad=18 if has_line else 6)
 
 

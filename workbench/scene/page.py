@@ -27,6 +27,7 @@ from ..figures.legend_room import GAP, HANDLE
 from ..geometry.centreline import Array
 from ..run import atomic
 from ..stored.stored_study import StoredStudy
+from ..words import labels
 from . import signs, true_scale
 from .body import Body
 from .scene_kinds import Cell, Paint, SceneKind
@@ -232,7 +233,7 @@ class Page:
         if not self.bare:
             below = [] if self.columns_beside else [signs.legend_sign(*entry) for entry in self.legend]
             sentences = [f"{fact}." for fact in ([] if self.scene.settings.titled else self.scene.said)]
-            sentences += [f"{text[:1].upper()}{text[1:].rstrip('.')}." for text in self.more]
+            sentences += [labels.sentence(text.rstrip(".")) for text in self.more]
             facts = [self.scene.stored.left_out, f"{self.scene.stored.reading}." * bool(self.scene.stored.reading)]
             canvas.write_below(fig, [*sentences, *self.scene.caption, *filter(None, facts), *below])
 

@@ -204,6 +204,18 @@ class StoredCases:
             raise InputError(f"no axis {name!r}: the dataset has none")
         raise no_such("axis", name, axes)
 
+    def axis_left(self, named: Iterable[str], what: str, advice: str) -> str:
+        """The one axis that is not among those named: if several are left, the one with several values.
+
+        Raises `InputError` for none and for several: what goes along one axis, and how another one is named.
+        """
+        free = [axis for axis in self.axes if axis not in {*map(self.axis, named)}]
+        free = [axis for axis in free if self.sizes[axis] > 1] or free
+        if len(free) != 1:
+            said = f"the axes {choices(free)} remain: {advice}" if free else "no axis remains"
+            raise InputError(f"{what} along one axis, and {said}")
+        return free[0]
+
     def is_logarithmic(self, axis: str) -> bool:
         """Whether the scale of an axis is logarithmic: its values have a wide range, and their logarithms are spread
         more evenly.
@@ -414,7 +426,7 @@ class StoredCases:
                 said = f"{noun}: {'true' if holds else 'false'} in {where}."
             else:
                 said = f"{noun}: {self.level_in_words(name)}."
-            texts.append(said[0].upper() + said[1:])
+            texts.append(labels.capital(said))
         return texts
 
     def moves(self, axis: str) -> Any:

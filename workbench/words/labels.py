@@ -185,8 +185,12 @@ def sentence(text: str) -> str:
     >>> sentence("is its unit right?"), sentence("s = 0 is the lower end")
     ('Is its unit right?', 's = 0 is the lower end.')
     """
-    begun = text if text[1:2] == " " else text[0].upper() + text[1:]
-    return begun if begun.endswith("?") else f"{begun}."
+    return capital(text) if text.endswith("?") else f"{capital(text)}."
+
+
+def capital(text: str) -> str:
+    """A text with a capital letter at its beginning, but for a letter of physics: ``s = 0``, ``β rises``."""
+    return text if text[1:2] == " " or not text[:1].isascii() else text[:1].upper() + text[1:]
 
 
 def typeset(text: str) -> str:

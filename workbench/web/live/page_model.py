@@ -149,7 +149,7 @@ def shape(study: Study, lost: bool = False, before: LiveRod | None = None) -> Li
     if not is_searched(study):
         return _resolve(study, case, solve(case, TOL, stations=STATIONS))
     sol = _with_weight(case) if case.varies else _between(study, case, lost)
-    _check(sol)
+    check(sol)
     return LiveRod(study, sol)
 
 
@@ -178,7 +178,7 @@ def _beside(study: Study, case: Case, lost: bool, before: LiveRod | None) -> Liv
     sol = near(None if before is None else before.sol)
     if before is not None and not sol.solved:
         sol = near(None)
-    _check(sol)
+    check(sol)
     return LiveRod(study, sol, held if isinstance(case.given, Ends) else None)
 
 
@@ -200,14 +200,14 @@ def _refuse_long(case: Case) -> None:
 
 def _resolve(study: Study, case: Case, sol: Solution) -> LiveRod:
     """The start problem at as many stations as its bends need, or the part of the rod that fits into `MOST`."""
-    _check(sol)
+    check(sol)
     turn = float((sol.kappa.max() if sol.kappa.size else 0.0) * sol.s[-1] / (sol.s.size - 1))
     if turn <= CHORD:
         return LiveRod(study, sol)
     n = int(np.ceil(STATIONS * turn / CHORD))
     length = float(case.rod.L) * min(1.0, MOST / n)
     sol = solve(case, TOL, stations=np.linspace(0.0, length, min(n, MOST)))
-    _check(sol)
+    check(sol)
     return LiveRod(study, sol)
 
 
@@ -253,7 +253,8 @@ def _half_periods(case: Case) -> float:
     return float(p.span[0] * frequency[0] / np.pi)
 
 
-def _check(sol: Solution) -> None:
+def check(sol: Solution) -> None:
+    """Raise `InputError` for a rod that is not solved."""
     if not sol.solved:
         raise InputError(f"this rod is not solved: {sol.outcome}")
 

@@ -112,8 +112,7 @@ def _under_dead_loads(rod: CaseInput) -> CaseInput:
     if not held:
         return rod
     sol = solve_one(rod.case, rod.which, DEFAULT_TOLERANCE, "auto", page_model.BETWEEN)
-    if not sol.solved:
-        raise InputError(f"this rod is not solved: {sol.outcome}")
+    page_model.check(sol)
     ends = Ends(float(sol.beta[0]), float(sol.beta[-1]), **{name: float(getattr(sol, name)) for name in DEAD_LOADS})
     case = replace(rod.case, given=ends)
     dead = solve(case, stations=page_model.BETWEEN, seed=float(sol.dbeta[0]))

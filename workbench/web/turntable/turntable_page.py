@@ -136,10 +136,7 @@ class StoredTurntable:
 
 
 def turntable_of_dataset(
-    stored: StoredStudy,
-    at: Mapping[str, Any] | None = None,
-    most_bytes: int = MOST_BYTES,
-    facts: Facts | None = None,
+    stored: StoredStudy, at: Mapping[str, Any] | None = None, most_bytes: int = MOST_BYTES, facts: Facts | None = None
 ) -> StoredTurntable:
     """The cases of a dataset, with a slider for each axis that `at` does not fix.
 
