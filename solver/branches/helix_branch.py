@@ -13,7 +13,7 @@ import scipy  # its parts are imported when used
 
 from ..core.tuning import NUDGE
 from ..numerics.arclength import BRANCH_POINT, PITCHFORK, difference_rates
-from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
+from ..numerics.arrays import ALIKE, NEGLIGIBLE, ROUNDED, Array
 from ..numerics.roots import REACH, halve, root, sign_changes
 from ..orbits.periodic_orbit import helix_half_waves, helix_index
 from ..orbits.potential import slope, slope_higher_rates, slope_rate
@@ -25,7 +25,6 @@ from .held_index import index_of
 from .helices import helices_of
 
 _STEP = 0.25  # of the parameter's scale. x10: changes of the index that undo each other within a step are missed
-_EXACT = 1e-15  # relative, of the parameter of a special point: about rounding. x10: a digit less of it
 # of the parameter's scale: how near a helix must cease for a branch to end there. x10: a stored branch would end so,
 # wrongly
 _CEASES = 1e-2
@@ -97,7 +96,7 @@ def _where_waves_fit(family: Family, before: Place, after: Place) -> list[Place]
     ends = before.p, after.p
     low, high = sorted(map(waves, ends))
     numbers = range(int(np.floor(low)) + 1, int(np.ceil(high)))
-    tol = {"xtol": _EXACT * abs(ends[1] - ends[0]), "rtol": _EXACT}
+    tol = {"xtol": ROUNDED * abs(ends[1] - ends[0]), "rtol": ROUNDED}
     every = [float(scipy.optimize.brentq(lambda p, n=n: waves(p) - n, *ends, **tol)) for n in numbers]
     return [_special(family, p, before) for p in (every if waves(before.p) < waves(after.p) else every[::-1])]
 
@@ -106,7 +105,7 @@ def _where_index_changes(family: Family, before: Place, after: Place) -> list[Pl
     """Under held ends: the given numbers do not determine the helix where the determinant of their derivatives is 0."""
     if before.index is None or after.index is None or before.index == after.index:
         return []
-    if abs(before.index - after.index) > 1 and abs(before.p - after.p) > _EXACT * family.scale:
+    if abs(before.index - after.index) > 1 and abs(before.p - after.p) > ROUNDED * family.scale:
         middle = helix_place(family, (before.p + after.p) / 2, before.problem)
         if middle is not None and middle.index is not None:
             parts = (before, middle), (middle, after)
@@ -122,9 +121,9 @@ def _where_index_changes(family: Family, before: Place, after: Place) -> list[Pl
         place = helix_place(family, p, before.problem)
         return place is None or place.index != before.index
 
-    ends, width = (before.p, after.p), _EXACT * abs(after.p - before.p)
+    ends, width = (before.p, after.p), ROUNDED * abs(after.p - before.p)
     if determinant(before.p) * determinant(after.p) < 0:
-        return [_special(family, float(scipy.optimize.brentq(determinant, *ends, xtol=width, rtol=_EXACT)), before)]
+        return [_special(family, float(scipy.optimize.brentq(determinant, *ends, xtol=width, rtol=ROUNDED)), before)]
     share = halve(lambda share: is_after(before.p + share * (after.p - before.p)), 0.0, 1.0, ALIKE)[1]
     return [_special(family, before.p + share * (after.p - before.p), before)]
 

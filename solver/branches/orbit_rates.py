@@ -18,7 +18,7 @@ import numpy as np
 
 from ..core import branch_calls as core
 from ..core.library import numbers_of
-from ..numerics.arrays import Array, Columns
+from ..numerics.arrays import ROUNDED, Array, Columns
 from ..numerics.roots import solve
 from ..orbits.boundary import CUTTING, STRETCH, Path
 from ..orbits.periodic_orbit import Pin
@@ -27,7 +27,6 @@ from ..orbits.variations import POINTS, Change, HelixVariations, Variations
 from ..problem.dimensionless import EndsProblem, Reduced, StartProblem
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
-_REST = 1e-15  # beta_t at a start at rest, a few roundings. x10: a start that moves so slowly is one at rest
 HOW = CUTTING, VARIED._replace(stretch=STRETCH)
 
 
@@ -121,7 +120,7 @@ def start_rates(problem: StartProblem, pin: Pin | None = None) -> OrbitRates:
     pin: the level, if beta_t(0) does not tell it.
     """
     numbers = numbers_of(problem)[0]
-    numbers[5] = numbers[5] if abs(numbers[5]) > _REST else 0.0
+    numbers[5] = numbers[5] if abs(numbers[5]) > ROUNDED else 0.0  # a start that moves so slowly is one at rest
     pinned = None if pin is None else np.concatenate(pin)
     answer = core.start_rates(numbers, pinned, POINTS, HOW[1])
     values, rows, by_span = (

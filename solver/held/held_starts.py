@@ -15,7 +15,7 @@ from ..branches.branch_events import Stop
 from ..branches.deflation import end_vector, is_known
 from ..branches.given_numbers import FREE, Given, OrbitState, problem_of
 from ..branches.held_index import index_of
-from ..branches.leaps import angles_on
+from ..branches.leaps import NEAR, angles_on
 from ..numerics.arclength import BRANCH_POINT, FEW_POINTS, FOLD
 from ..numerics.arrays import ASIDE, ROUGHLY
 from ..orbits.boundary import critical_points
@@ -36,8 +36,6 @@ _MOST_TURNS = 2  # of the starts. x10: more starts, of shapes that are unstable
 _LAYERS = 8.0
 # the most of a stable rod: one more than the displacements that are held, and one at each hinge. x10: only time
 _STABLE_TURNS = 6
-# rad: from a minimum to its equilibrium, far above the error of its mesh. x10: a neighbour is taken for it
-_BESIDE = 0.05
 
 
 def outcome_of(stop: Stop) -> str:
@@ -60,13 +58,13 @@ def equilibrium_beside(minimum: EnergyMinimum, helices: list[OrbitState]) -> Orb
     if np.ptp(beta) < ROUGHLY:
         turn = TAU if not {"beta0", "betaL"} & {*given.names} else np.inf
         for helix in helices:
-            if abs(np.remainder(helix.problem.beta0[0] - beta[0] + _BESIDE, turn) - _BESIDE) < ROUGHLY:
+            if abs(np.remainder(helix.problem.beta0[0] - beta[0] + NEAR, turn) - NEAR) < ROUGHLY:
                 return helix
     dead = dead_states(problem_of(given, minimum.numbers), most_turns=_STABLE_TURNS)
     states = [] if dead is None else dead[0]
     away = [float(np.abs(angles_on(orbit_of(state.problem, state.path), u)[0] - beta).max()) for state in states]
     for i in np.argsort(away)[:2]:
-        if away[i] < _BESIDE:
+        if away[i] < NEAR:
             state = settle(states[i], given)
             carried = carry(states[i], given, FEW_POINTS) if isinstance(state, str) else state
             if not isinstance(carried, Stop):

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
+from ..numerics.chebyshev import GAUSS
 from ..orbits.mesh_index import response
 from ..orbits.potential import slope, slope_rate
 from ..problem.dimensionless import EndsProblem
@@ -22,7 +23,6 @@ from .method import MOST_COMPILED, TIGHTEST, TOLERANCES, Ladder, SeededMethod, S
 
 # nodes: of the first mesh, and of the next if that is too coarse for the seed; of any mesh. x10: time
 _FIRST, _MOST = (257, 2049), 10_000
-_GAUSS = np.polynomial.legendre.leggauss(5)
 
 
 @dataclass(frozen=True)
@@ -112,8 +112,8 @@ def _columns(answer: Any, t: Array) -> Array:
     """beta, beta_t, and alpha, z, swirl by Gauss's rule on each piece of the spline, at the stations, (5, n)."""
     cuts = np.union1d(answer.x, t)
     half = np.diff(cuts)[:, None] / 2
-    beta = answer.sol(cuts[:-1, None] + half * (1 + _GAUSS[0]))[0]
+    beta = answer.sol(cuts[:-1, None] + half * (1 + GAUSS[0]))[0]
     s, c = np.sin(beta), np.cos(beta)
-    sums = [np.append(0.0, np.cumsum((v * half) @ _GAUSS[1])) for v in (s, c, s * c)]
+    sums = [np.append(0.0, np.cumsum((v * half) @ GAUSS[1])) for v in (s, c, s * c)]
     at = np.searchsorted(cuts, t)
     return np.stack([*answer.sol(t), *(total[at] for total in sums)])

@@ -13,16 +13,12 @@ from ..branches.branch_events import Stop
 from ..branches.continuation import resume
 from ..held.equilibrium_choice import NEAREST, Choose, path_of_seed, selection_of
 from ..numerics.arclength import BRANCH_POINT, FOLD
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, Array
 from ..orbits.path_orbits import equilibrium_trajectory, orbit_of, together
 from ..orbits.periodic_orbit import TIGHT, solve_orbit
 from ..problem.dimensionless import EndsProblem
 from ..problem.trajectory import Seed, Trajectory
 from .method import EndsMethod, Ladder, tens
-
-# of 1 + |slope|: a slope at the start, times rho, that far from that of an equilibrium is its own, as a file keeps it.
-# x10: as good, and of slopes 1e-5 apart one may be taken for the other
-SAME_SLOPE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -77,7 +73,7 @@ def _next_to(problem: EndsProblem, dbeta0: Array) -> Array:
     """beta_t(0) of the solution that a number means, as it is next to it, (B,); NaN where none is found so near."""
     B, known = problem.size, np.isfinite(dbeta0)
     twice = problem.take(np.tile(np.arange(B), 2))
-    at, reach = np.where(known, dbeta0, 0.0), SAME_SLOPE * (1 + np.abs(dbeta0))
+    at, reach = np.where(known, dbeta0, 0.0), ALIKE * (1 + np.abs(dbeta0))
     off, near = np.full(B, np.inf), known
     for _ in range(40):
         nudge = 1e-7 * np.maximum(1, np.abs(at))

@@ -25,7 +25,7 @@ from ..problem.dimensionless import EndsProblem
 from .banded_newton import correct, deflate, open_at
 from .constant_loads import end_numbers, shape_of_orbit
 from .loaded_rod import ALPHA, BETA, HELD, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
-from .node_branch import UNSOLVED, NodeCurve, inner, trace_shapes
+from .node_branch import BESIDE, UNSOLVED, NodeCurve, inner, trace_shapes
 from .shape_index import index_at, shape_like
 from .varying_shapes import Shape
 from .weak_modes import weakest_modes
@@ -33,9 +33,6 @@ from .weak_modes import weakest_modes
 # of steps, in the sizes of the angles and of the way: the whole way at once where nothing is in between. x10: the same,
 # but given up early
 CARRIED = Lengths(first=1.0, longest=1.0, least=1e-5)
-# of the sizes of the angles and of the way: from a point to one before it, which tells its bend. x10: the bend of
-# another part
-BEHIND = 0.02
 # times the estimated way to an equilibrium across a fold; points on the way to it. x10: more searches that find none
 MAY_BE, FEW = 4.0, 20
 KICK = 0.3  # rad: the push towards the equilibrium beyond a fold. x10: half a turn, to any other
@@ -231,11 +228,11 @@ def is_nearer_across_fold(seed: OrbitState, state: OrbitState, wanted: Given) ->
     assert isinstance(state, HingedState)
     curve, begin = line_from(seed, wanted)
     point = curve.begin(shape_like(state.shape.rod, state.shape, begin.t * (wanted.span / begin.t[-1])), 1.0)
-    behind = None if point is None else curve.ahead(point, -BEHIND)
+    behind = None if point is None else curve.ahead(point, -BESIDE)
     if point is None or behind is None:
         return False
     far = _apart(curve, begin, point.shape)
-    if not 0 < 2 * point.rises * BEHIND < MAY_BE * far * (behind.rises - point.rises):
+    if not 0 < 2 * point.rises * BESIDE < MAY_BE * far * (behind.rises - point.rises):
         return False
     places, _ = trace_shapes(curve, point, True, Bounds(-1.0, 3.0, (1.0,), FEW))
     return any(place.p == 1 and _apart(curve, place.path, point.shape) < far for place in places)

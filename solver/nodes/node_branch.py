@@ -39,6 +39,9 @@ UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"
 # of steps, in the sizes of the angles and of p. x10: steps land on other branches
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)
+# in the sizes of the angles and of p: how far beside a point of a curve its bend, or an index, is read. x10: that of
+# another part, beyond a neighbouring fold
+BESIDE = 0.02
 LOOSE = 1e-4  # of the scales: a correction that is enough on the way. x10: another branch may be as near
 # of dp along the curve next to a fold: its square is lost of p. x10: the place of a fold has a digit less
 FLAT = 1e-7

@@ -31,14 +31,12 @@ from ..numerics.arclength import PITCHFORK, Node, node_at
 from ..numerics.arrays import ASIDE, Array
 from .banded_newton import marks_of
 from .loaded_rod import ALPHA, SPEED, LoadedRod
-from .node_branch import LENGTHS, SPLIT, CurvePoint, NodeCurve, unit
+from .node_branch import BESIDE, LENGTHS, SPLIT, CurvePoint, NodeCurve, unit
 from .shape_index import index_at
 from .varying_shapes import Shape
 from .weak_modes import Held, hold, weakest_modes
 
 RodAt = Callable[[Array], LoadedRod]
-# how far beside a fold its two indices are read, in the sizes of the unknowns. x10: beyond a neighbouring fold
-BESIDE = 0.02
 # of a step: how closely the place is enclosed where another curve crosses. x10: the two points beside it are farther
 # apart
 CROSSED = 3e-3

@@ -23,7 +23,6 @@ REACH = 0.5
 # of a method that usually takes a tenth of them: one that has not converged then never will. x10: only failures take
 # longer
 ROUNDS = 60
-_BISECTIONS = 60  # of a bracket, which is then as narrow as rounding. x10: only time
 # of the rate of the product along a step, below which the known zeros hardly matter. x10: known zeros are found again
 _SLIGHT = 0.5
 
@@ -234,7 +233,7 @@ def halve(holds: Callable[[float], object], low: float, high: float, width: floa
     return low, high
 
 
-def sign_changes(f: Callable[[Array], Array], x: Array, value: Array, steps: int = _BISECTIONS) -> Array:
+def sign_changes(f: Callable[[Array], Array], x: Array, value: Array, steps: int = ROUNDS) -> Array:
     """Where f changes its sign between neighbours of rising places x (n,), (P,), by so many bisections; value: f(x), or
     its sign. Neighbours one of which is 0 have no change."""
     sign = np.sign(value)

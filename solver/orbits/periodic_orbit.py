@@ -28,7 +28,6 @@ TIGHT = 1e-13
 # The levels of B orbits: the angles above whose heights of G they lie, the gaps, and by how much the logs of the true
 # gaps are smaller, (B,) each
 Pin = tuple[Array, Array, Array]
-FUNCTIONS = 5  # series of a panel
 
 _ReadOrbits = structure("read_orbits", "orbit_parts.h")
 _PanelArrays = structure("panel_arrays", "orbit_parts.h")
@@ -174,7 +173,7 @@ class Orbit(Periodic):
 
     def _read(self, t: Array) -> Array:
         """beta, beta_t, alpha, z and the swirl at t (B, n), (5, B, n)."""
-        out = np.empty((FUNCTIONS, *t.shape))
+        out = np.empty((CURVES, *t.shape))
         run("rod_orbits_read", as_core_orbits(self), *t.shape, np.ascontiguousarray(t), out)
         return out
 
@@ -265,7 +264,7 @@ def orbits_of(problem: StartProblem, pinned: Array | None, n: int, cutting: Cutt
     if handle is None:
         fine(status)
         return None
-    arc, columns, series = np.empty(P, np.int64), np.empty((7, P)), np.empty((P, FUNCTIONS, n + 1))
+    arc, columns, series = np.empty(P, np.int64), np.empty((7, P)), np.empty((P, CURVES, n + 1))
     first, count = np.empty((2, 2 * B), np.int64)
     sums = np.empty(P), first, count, np.empty(2 * B), np.empty((2 * B, 3))
     run("rod_orbits_fetch", handle, _PanelArrays(P, arc, columns, series), *sums)

@@ -113,7 +113,6 @@ def _word(long_name: str, omitted: str | None, **more: Any) -> Any:
 
 _POSITIVE = _Range(0, "positive and finite")
 _NOT_NEGATIVE = _Range(0, "at least 0", closed=True)
-_BORE = _Range(0, "at least 0 and less than Rod.a", closed=True)
 _INCLINED = _Range(0, "from 0 to pi rad (180 deg)", closed=True, high=pi * (1 + 1e-15))
 _TILTED = _Range(-pi / 2, "from -pi/2 to pi/2 rad (90 deg)", closed=True, high=pi / 2)
 _SECTION = "give E and nu, or EI and GJ"
@@ -139,7 +138,13 @@ class RodFields:
         default="solid",
         needs="E",
     )
-    inner_radius: Any = _field("aᵢ", LENGTH, "inner radius of the rod", _BORE, more=", for a tube")
+    inner_radius: Any = _field(
+        "aᵢ",
+        LENGTH,
+        "inner radius of the rod",
+        _Range(0, "at least 0 and less than Rod.a", closed=True),
+        more=", for a tube",
+    )
     EI: Any = _field("EI", RIGIDITY, "bending stiffness, given", _POSITIVE, note=_SECTION)
     GJ: Any = _field("GJ", RIGIDITY, "torsional stiffness, given", _POSITIVE, note=_SECTION)
     weight: Any = _field(

@@ -1,5 +1,6 @@
 """A followed branch is one curve of equilibria: its folds are exact, it leads back, and it never jumps to another."""
 
+import sys
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -479,7 +480,7 @@ def follow_spoiled(monkeypatch: pytest.MonkeyPatch, spoil: slice) -> tuple[Branc
             places[places.index(place)] = replace(place, path=path)
         return places, *rest
 
-    monkeypatch.setattr("solver.branches.branch_following.branch_through", spoil_places)
+    monkeypatch.setattr(sys.modules["solver.follow"], "branch_through", spoil_places)
     return whole, follow(solution, E=[0.9e5, 1.1e5])
 
 
