@@ -173,6 +173,16 @@ def test_no_view_of_a_list_stands_before_the_one_that_it_follows() -> None:
     assert stacked
 
 
+def test_the_key_of_a_list_in_one_row_covers_no_view() -> None:
+    sizes = np.random.default_rng(1).uniform(0.1, 3.0, (200, 4, 2))
+    for boxes in sizes:
+        boxes[-1] = 0.0
+        words = np.array([*[[0.3, 0.15]] * 3, [0.75, 0.55]])
+        *views, key = arrangement.flow(boxes, words, (3.0, 2.2), 1, even=False, least=1e-3).places
+        assert all((key[:2] >= view[:2] + view[2:] - 1e-9).any() or (view[:2] >= key[:2] + key[2:]).any()
+                   for view in views)  # fmt: skip
+
+
 def test_flat_views_at_the_end_of_one_row_stand_one_below_the_other_and_the_key_below_them() -> None:
     """Side by side they would leave most of the page below them empty."""
     boxes = np.array([[1.2, 3.0], [1.2, 2.8], [1.3, 0.4], [1.2, 0.4], [0.0, 0.0]])

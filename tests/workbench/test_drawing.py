@@ -247,7 +247,8 @@ def test_a_rod_of_any_extent_off_the_wall_is_drawn_without_a_word_on_another(bas
 
 
 @pytest.mark.parametrize("width", [70.0, 89.0])
-def test_a_drawing_names_what_has_no_room_and_the_width_at_which_it_is_drawn(width: float) -> None:
+def test_a_drawing_names_what_has_no_room_and_the_width_at_which_it_is_drawn(width: float, monkeypatch) -> None:
+    monkeypatch.setattr(drawing, "MOST_BELOW", 0)  # as of more point forces than have room below
     stored = off_the_wall(HELD, "mm N")
     wanted = {"1200 mm", "79 N\ns = 317 mm"}
 
@@ -262,6 +263,15 @@ def test_a_drawing_names_what_has_no_room_and_the_width_at_which_it_is_drawn(wid
     enough = float(left_out.split("--width ")[1].split(" has room")[0])
     assert drawn(enough) == (wanted, [])
     assert drawn(enough - 5.0)[1]
+
+
+@pytest.mark.parametrize("width, is_below", [(89.0, True), (183.0, False)])
+def test_the_number_of_a_point_force_stands_at_its_arrow_or_below_the_views(width: float, is_below: bool) -> None:
+    fig = drawing.figure(off_the_wall(HELD, "mm N"), sheet=sheet("paper", width))
+    texts = [" ".join(text.get_text().split()) for text in fig.axes[0].texts]
+    assert ("79 N s = 317 mm" in texts) == (not is_below)
+    assert any("point forces of the wall: 79 N at 317 mm" in text for text in texts) == is_below
+    assert sum("point forces of the wall" in sentence.lower() for sentence in canvas.caption(fig)) == 1
 
 
 @pytest.mark.parametrize("width", [89.0, 183.0])

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
+from scipy.spatial import KDTree
 
 from solver import equilibria, solve
 from studies import load, names
@@ -85,18 +86,23 @@ def test_the_titles_of_a_picture_all_name_their_claims_and_their_letters_stand_o
         assert page == "screen" or np.abs(np.subtract(letters, tops)).max() < 0.5 * fig.dpi * 8 / 72
 
 
-@pytest.mark.parametrize("name", ["fig7_2_radius", "fig7_3_start_angle", "fig7_5_forces"])
-def test_rods_are_long_enough_in_a_column_and_rings_smaller_than_their_loops(name: str) -> None:
+@pytest.mark.parametrize("name", ["fig7_1_modulus", "fig7_2_radius", "fig7_3_start_angle", "fig7_5_forces"])
+def test_rods_are_long_enough_in_a_column_and_every_ring_encloses_its_lines(name: str) -> None:
     stored = StoredStudy(small.study_dataset(name))
     fig = figure_kinds.figure(stored, "lines", SHEETS["column"])
     strips = [ax for ax in fig.axes if ax.get_label() == unrolled.VIEWS]
     assert len(strips) == len(stored.varied)
     fig.draw_without_rendering()
     for ax in strips:
-        lines = [line.get_window_extent() for line in ax.lines if line.get_marker() == "None"]
-        assert 25.4 * max(max(line.width, line.height) for line in lines) / fig.dpi > 30  # millimetres
+        rods = [line for line in ax.lines if line.get_marker() == "None"]
+        boxes = [line.get_window_extent() for line in rods]
+        assert 25.4 * max(max(box.width, box.height) for box in boxes) / fig.dpi > 30  # millimetres
         (rings,) = (dots for dots in ax.collections if isinstance(dots, PathCollection))
-        assert np.sqrt(rings.get_sizes()).max() < 7  # points: a loop is about 8 mm wide
+        radii = np.sqrt(rings.get_sizes()) / 2 / 72 * fig.dpi  # pixels
+        assert 25.4 * 2 * radii.max() / fig.dpi < 4  # millimetres: a loop is about 8 mm wide
+        lines = np.concatenate([line.get_transform().transform(np.asarray(line.get_xydata())) for line in rods])
+        nearest = KDTree(lines).query(ax.transData.transform(np.asarray(rings.get_offsets())))[0]
+        assert (nearest < radii).all()
     assert sum("of the 9 values" in sentence for sentence in canvas.caption(fig)) == len(strips)
 
 

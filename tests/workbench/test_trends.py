@@ -2,8 +2,12 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import rc_context
+from matplotlib.figure import Figure
 
-from workbench.figures.axis_scales import Ticks
+from workbench.figures import fonts
+from workbench.figures.axis_scales import Ticks, set_scale
+from workbench.figures.sheet import sheet
 from workbench.figures.trends import draw_line
 
 
@@ -14,6 +18,17 @@ def test_a_line_has_a_gap_where_a_number_begins_after_it_stayed_at_0() -> None:
     gaps = [np.flatnonzero(np.isnan(line.get_xdata())).tolist() for line in ax.lines]
     plt.close(fig)
     assert gaps == [[2, 6], []]
+
+
+def test_a_narrow_axis_has_three_numbers_where_these_have_room() -> None:
+    found = []
+    for ends, logarithmic, unit in (((5e3, 4e4), True, 1e3), ((2.5, 10.0), False, 1.0), ((2.5, 10.0), True, 1.0)):
+        with rc_context(fonts.RC | sheet("paper", 89).settings()):
+            ax = Figure(figsize=(1, 1)).add_axes((0.2, 0.2, 0.57, 0.6))
+            set_scale(ax.xaxis, ends, logarithmic, 0.04)
+            ax.xaxis.set_major_formatter(Ticks(unit))
+            found.append([label.get_text() for label in ax.get_xticklabels()])
+    assert found == [["5", "10", "40"], ["3", "6", "9"], ["3", "6", "10"]]
 
 
 def test_ticks_have_one_power_of_ten_where_one_of_them_needs_it() -> None:

@@ -144,7 +144,7 @@ def flow(sizes: Values, words: Values, room: tuple[float, float], rows: int, eve
         scale, too_large = (middle, too_large) if fits(middle) else (scale, middle)
     lines = broken(scale)
     if not even and len(lines) == 1:
-        lines[0].stack()
+        lines[0].stack(room[0])
     gaps = [line.gap(room[0], count - 1) for line in lines]
     most, top, drawn = min(gaps) if even else LOOSE if len(lines) > 1 else np.inf, 0.0, np.zeros((count, 4))
     above = np.inf
@@ -187,8 +187,9 @@ class _Row:
     def high(self) -> float:
         return max(map(self.height, self.columns))
 
-    def stack(self) -> None:
-        """Put the last views below the ones before them while the row is high enough; the key comes below them."""
+    def stack(self, room: float) -> None:
+        """Put the last views below the ones before them while the row is high enough; the key comes below them, or to
+        the right of them where it is wider and has room in so many inches."""
         key = self.columns.pop() if len(self.columns[-1]) == 1 else [self.columns[-1].pop()]
         while len(self.columns) > 1 and len(self.columns[-2]) == 1:
             last = self.columns.pop()
@@ -197,8 +198,9 @@ class _Row:
                 self.columns.append(last)
                 break
             self.columns[-1] = together
-        below = [*self.columns[-1], *key]
-        if self.height(below) <= self.high and self.width(below) <= self.width(self.columns[-1]):
+        below, wide = [*self.columns[-1], *key], self.width(key)
+        is_within = wide <= self.width(self.columns[-1]) or not self.has_room_beside(wide, room)
+        if self.height(below) <= self.high and is_within:
             self.columns[-1] = below
         else:
             self.columns.append(key)

@@ -21,7 +21,7 @@ Values = NDArray[np.float64]
 MOST, GAP = 8, 0.08  # ticks of an axis; inches between two numbers
 ROUNDING = 1e-9  # share of the range by which a tick may lie outside it
 SPARE = 0.04  # share of a span that stays free at either end
-FEW = 3  # ticks that a logarithmic axis has at least
+FEW = 3  # ticks of an axis at least, where so many have room
 ANGLES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720, 1800, 3600, 7200, 18000)  # degrees between two ticks
 NARROW, WHOLE = 5.0, 135.0  # degrees: a narrower axis has ticks as of numbers; a wider one ticks at right angles
 
@@ -30,8 +30,9 @@ class RoomLocator(Locator):
     """Round numbers of Matplotlib's locators, as many as have room on the axis when it is drawn.
 
     At 1, 2 and 5 times powers of ten on a logarithmic axis, within a decade at 4 times too, or at the powers alone;
-    evenly spaced where `FEW` such numbers do not lie on it; two at least, where two have room. of: ``counts`` are
-    whole; ``angles`` over more than `NARROW` degrees are parts and multiples of a right angle.
+    evenly spaced where `FEW` such numbers do not lie on it, or at 1, 3 and 6; else as many of these as have room. Of
+    evenly spaced ones on a linear axis none is left out between two. of: ``counts`` are whole; ``angles`` over more
+    than `NARROW` degrees are parts and multiples of a right angle.
     """
 
     def __init__(self, of: str = "numbers") -> None:
@@ -52,7 +53,8 @@ class RoomLocator(Locator):
         low, high = vmin - ROUNDING * abs(vmin), vmax + ROUNDING * abs(vmax)
 
         def fits(ticks: list[float]) -> bool:
-            texts = Ticks().format_ticks(ticks)
+            written = axis.get_major_formatter()
+            texts = (written if isinstance(written, Ticks) else Ticks()).format_ticks(ticks)
             sizes = [self.letters / 72 if upward else fonts.width_of(text, self.letters) for text in texts]
             gaps = [
                 per_unit * (change(b) - change(a)) - (left + right) / 2
@@ -60,17 +62,22 @@ class RoomLocator(Locator):
             ]
             return min(gaps, default=GAP) >= GAP
 
-        fallback: list[float] = []
-        crowded: list[list[float]] = []  # of which the first and the last may have room
+        def few_of(ticks: list[float]) -> list[float]:
+            kept = ticks[:1]
+            for tick in [*ticks[-1:], *(ticks[1:-1] if logarithmic else ())]:
+                kept = more if fits(more := sorted([*kept, tick])) else kept
+            return kept
+
+        fewer, crowded = list[list[float]](), list[list[float]]()
         for locator, least in self._candidates(vmax - vmin, logarithmic, within=vmax < 10 * vmin):
             inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
             if not fits(inside):
-                crowded.append([inside[0], inside[-1]])
-                continue
-            if len(inside) >= least:
+                crowded.append(few_of(inside))
+            elif len(inside) >= least:
                 return inside
-            fallback = max(fallback, inside, key=len)
-        return fallback if len(fallback) > 1 else next(filter(fits, crowded), fallback)
+            else:
+                fewer.append(inside)
+        return max([*fewer, *crowded], key=len)
 
     def _candidates(self, span: float, logarithmic: bool, within: bool) -> Iterator[tuple[Locator, int]]:
         """Matplotlib's locators, from that of most ticks to that of one, each with the ticks that it has at least;
@@ -85,24 +92,32 @@ class RoomLocator(Locator):
             yield from ((MultipleLocator(step), 2) for step in steps if span <= MOST * step)
         counts = self.of == "counts"
         for count in range(MOST + counts, 0, -1):  # half a count more lies at either end of a bar of their colours
-            yield MaxNLocator(count, steps=[1, 2, 5, 10], integer=counts, min_n_ticks=1), 2
+            yield MaxNLocator(count, steps=[1, 2, 5, 10], integer=counts, min_n_ticks=1), FEW
+        if logarithmic:
+            yield LogLocator(subs=(1, 3, 6), numticks=MOST), FEW
         for count in (3, 2):  # at 3, 4, 6 and 8 too, where so few at 1, 2 and 5 do not lie on it
-            yield MaxNLocator(count, steps=[1, 2, 3, 4, 5, 6, 8, 10], integer=counts, min_n_ticks=1), 2
+            yield MaxNLocator(count, steps=[1, 2, 3, 4, 5, 6, 8, 10], integer=counts, min_n_ticks=1), FEW
 
 
 EDGE = 1e-9  # of an axis: a place so near to an edge of a cell lies on it
 
 
 class Ticks(Formatter):
-    """The numbers of the ticks of an axis, with the same number of decimals; in full, or with one power of ten."""
+    """The numbers of the ticks of an axis, with the same number of decimals; in full, or with one power of ten.
+
+    unit: what a label of the axis says of all its numbers, such as 10³.
+    """
+
+    def __init__(self, unit: float = 1.0) -> None:
+        self.unit = unit
 
     def format_ticks(self, values: Iterable[float]) -> list[str]:
         """The numbers of all ticks."""
-        values = [float(value) for value in values]
+        values = [float(value) / self.unit for value in values]
         texts = [f"{value:.10g}" for value in values]
         decades = len(values) > 1 and min(values) > 0 and max(values) >= 100 * min(values)
         if decades:
-            return [self(value) for value in values]
+            return [labels.tick(value) for value in values]
         factor = floor(log10(max(map(abs, values)))) if any("e" in text for text in texts) else 0
         texts = [f"{value / 10.0**factor:.10g}" for value in values]
         decimals = max((len(text.partition(".")[2]) for text in texts), default=0)
@@ -113,7 +128,7 @@ class Ticks(Formatter):
 
     def __call__(self, value: float, pos: int | None = None) -> str:
         """The number of one tick by itself."""
-        return labels.tick(value)
+        return labels.tick(value / self.unit)
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,6 +38,7 @@ RINGED = 0.5  # of that length its rings cover at most
 MOST_NAMED = 8  # groups of branches on one line
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
+COVERED = 0.08  # inches between a dot and a mark: nearer it would cover a part of the mark
 HIDDEN = 0.03  # of a panel: marks would cover a shorter stable piece
 MORE = 0.45  # inches of the figure beside the diagram and the views
 # an unstable branch of held ends, and stable ones
@@ -363,13 +364,22 @@ def _number_points(
     stored: StoredStudy, ax: Axes, key: str, inches: tuple[float, float], chosen: Sequence[int], others: bool
 ) -> list[int]:
     """A dot with its number at the points of these shapes, where the axis reaches them, and the number of an unstable
-    one covers nothing; returns which. others: as of `panel`."""
+    one covers nothing; returns which. Where a dot would cover a mark or another dot, a line leads from the number to
+    the point. others: as of `panel`."""
     name, names = str(stored.attrs["axis"]), names_of_shapes(stored)
     x, y = (_values(stored, f"shape_{of}") if f"shape_{of}" in stored else np.empty(0) for of in (name, key))
     (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
     inside = [k for k in chosen if y.size and left <= x[k] <= right and low <= y[k] <= high]
-    points = [point_numbers.NumberedPoint(x[k], y[k], names[k], _is_stable(stored, k)) for k in inside]
-    dots = [dot for kind in MARKS for dot in np.transpose(_special(stored, name, key, kind)[:2])]
+    dots = [dot for line in ax.lines if line.get_linestyle() == "None" for dot in np.asarray(line.get_xydata())]
+    per = np.array(inches) / [right - left, high - low]
+    bare = set[int]()  # others lie below what is stable, and below marks
+    for i, k in enumerate(inside):
+        away = [np.hypot(*(per * (dot - [x[k], y[k]]))) for dot in dots]
+        beside = [np.hypot(*(per * [x[k] - x[other], y[k] - y[other]])) for other in inside[:i] if other not in bare]
+        is_near = min(away, default=np.inf) < COVERED or any(point_numbers.SAME <= gap < COVERED for gap in beside)
+        if is_near and _is_stable(stored, k):
+            bare.add(k)
+    points = [point_numbers.NumberedPoint(x[k], y[k], names[k], _is_stable(stored, k), k in bare) for k in inside]
     lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1 and line.get_linestyle() != "None"]
     on = [
         ([f"{number + 1}" for number in group], line)
@@ -378,6 +388,8 @@ def _number_points(
     ]
     written = [inside[i] for i in sorted(point_numbers.write(ax, points, lines, dots, inches, on))]
     for k in written:
+        if k in bare:
+            continue
         colour = _look_of_shape(stored, k)["color"]
         order = 7 if _is_stable(stored, k) else 3.5  # the dot of an unstable shape covers nothing stable
         ax.plot(

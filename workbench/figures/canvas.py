@@ -74,7 +74,7 @@ def figure(
         fig = Figure(figsize=(size[0], min(size[1], tallest)), dpi=dpi, layout=layout)
         FigureCanvasAgg(fig)
         draw(fig)
-        if sheet.style == "paper" and layout is not None:
+        if layout is not None:
             _letter_panels(fig)
         if stored is not None and titled:
             _set_title(fig, stored.reading if said is None else said, str(stored.attrs["title"]), tallest)
@@ -124,8 +124,7 @@ def page(
         What is said in place of how many of the shapes a real rod could keep.
     """
 
-    rest = stored.restable if rest is None and stored is not None else rest or ""
-    rest = rest[:1].upper() + rest[1:]
+    rest = _with_capital(stored.restable if rest is None and stored is not None else rest or "")
 
     def draw(fig: Figure) -> None:
         below: list[Any] = [f"{rest}."] if rest and not sheet.titled else []
@@ -156,7 +155,7 @@ def page(
         draw,
         stored,
         sheet=sheet,
-        said=" · ".join(text for text in (stored.reading if stored is not None else "", rest) if text),
+        said=_below_title(stored, rest),
         **options,
     )
     if high and sheet.style == "paper":
@@ -226,10 +225,11 @@ def _letter_panels(fig: Figure) -> None:
         return
     for letter, ax in zip(ascii_lowercase, panels, strict=False):
         lines = ax.get_title(loc="left").count("\n") if ax.axison else -1  # the words of views stand in their axes
+        above = 72 * float(ax.titleOffsetTrans.transform((0, 0))[1]) / fig.dpi  # type: ignore[attr-defined]
         ax.annotate(
             letter,
             (0, 1),
-            (-6, 6 + 1.2 * lines * fonts.normal() - (lines < 0)),
+            (-6, max(above, 6) + 1.2 * lines * fonts.normal() - (lines < 0)),
             xycoords="axes fraction",
             textcoords="offset points",
             ha="right",
@@ -260,6 +260,24 @@ def write_title(fig: Figure, title: str, below: str) -> float:
         fig.text(MARGIN, -used, lines, va="top", size=size, weight=weight, color=colour, transform=upper_left)
         used += fonts.height_of(lines, size)
     return used + AFTER * bool(used)
+
+
+def title_height(stored: StoredStudy, sheet: Sheet) -> float:
+    """Inches of the title of a `page` of a study with what is written below it; 0 on a sheet without one."""
+    if not sheet.titled:
+        return 0.0
+    with rc_context(RC | sheet.settings()):
+        return write_title(
+            Figure((sheet.width, 1.0)), str(stored.attrs["title"]), _below_title(stored, _with_capital(stored.restable))
+        )
+
+
+def _with_capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _below_title(stored: StoredStudy | None, rest: str) -> str:
+    return " · ".join(text for text in (stored.reading if stored is not None else "", rest) if text)
 
 
 def _set_title(fig: Figure, below: str, title: str, tallest: float) -> None:

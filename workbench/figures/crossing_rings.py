@@ -15,7 +15,7 @@ RING, EDGED = 1.2, 1.9  # points, the line of a ring at most, without and with i
 THIN = 4.0  # a smaller ring has a line so many times thinner than it is wide
 CROWDED = 1.15  # between the middles of two rings, in the size of one
 RADII, IN_RODS = (0.03, 0.065), 0.75  # inches of a ring on a rod in space at least and at most; else radii of its rod
-SMALLEST, LOOP = 3.0, 1 / 3  # points of a ring around lines, and beside them; of the width of their loop at most
+SMALLEST = 3.0  # points of a ring around a line, and of one around two more than they are apart
 
 
 def entry(label: str) -> Line2D:
@@ -36,11 +36,6 @@ def entry(label: str) -> Line2D:
 def radius(a: float) -> float:
     """The radius of a ring on a rod in space whose radius is drawn so many inches large [inches]."""
     return float(np.clip(IN_RODS * a, *RADII))
-
-
-def around(apart: float, loop: float) -> float:
-    """The size of a ring around two lines so many inches apart that make a loop so many inches wide [points]."""
-    return max(min(72 * apart + SMALLEST, 72 * LOOP * loop), SMALLEST)
 
 
 def draw(ax: Axes, places: Any, sizes: Any, name: str, **look: Any) -> PathCollection:

@@ -52,6 +52,7 @@ PIECE = 0.5  # radii of the rod in a piece of one that passes before itself
 TICK = 1.5  # millimetres: half of one across the wall
 WIDER = 5.0  # millimetres from one width to the next at which is asked whether all has room
 HINTED = 1.1  # by which a line of letters of few pixels is wider than it is measured
+MOST_BELOW = 3  # point forces whose numbers the line below the views has
 OFF = 0.5  # radii of the rod: an end so far off the wall has its distance from the axis
 
 
@@ -88,7 +89,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         with rc_context(fonts.RC | of.settings()):
             view = views_of(rod, chosen.units["length"], R, of, forces)
             left_out = [f"the distance {text}" for k, text in distances.items() if not has_room(view, k, R, text)]
-        if forces and not any(force.words for force in view.forces or ()):
+        if forces and not (_are_below(view) or any(force.words for force in view.forces or ())):
             left_out.append("the numbers of the point forces" if view.forces else "the point forces")
         return view, left_out
 
@@ -163,6 +164,7 @@ def _words(
         unit_of_length = chosen.units["length"]
         where = places_of_contact(free, unit_of_length) if free.contacts else "nowhere between its ends"
         parts += [f"on the wall {where}", f"up to {unit('L', gap)} off it"]
+        parts += free_rod_words.forces_in_words(free, chosen.units) if _are_below(view) else []
     elif lay := _lay(view):
         parts += [f"lay{labels.NO_BREAK}{lay}"]
     along = f" across, {_scale_words(view.scale * view.squeeze)} along the axis" if view.squeeze < 1 else ""
@@ -174,7 +176,7 @@ def _words(
     if free:
         said.append("Beside it the end view, along the axis from s = 0.")
     texts = [chosen.restable, *(free_rod_words.sentences(free, chosen.units) if free else ())]
-    said += [labels.sentence(text) for text in texts if text]
+    said += [labels.sentence(text) for text in texts if text and text not in parts]
     said += ["The rod is thinner than its line."] if 2 * rod.a * view.mm < HAIR else []
     return line, [*said, *([] if view.whole else ["A part of the rod is drawn, from s = 0."])]
 
@@ -186,6 +188,11 @@ def _wrap(rod: drawn_rods.DrawnRod, free: Solution | None) -> float:
     """
     edges = np.array(free.contacts if free else [rod["s"][[0, -1]]]).reshape(-1, 2)
     return float(np.degrees(np.diff(np.interp(edges, rod["s"], rod["alpha"])).sum()))
+
+
+def _are_below(view: Views) -> bool:
+    """Whether the numbers of the point forces stand in the line below the views, as arrows have no room for them."""
+    return 0 < len(view.forces or ()) <= MOST_BELOW and not any(force.words for force in view.forces or ())
 
 
 def _diameter(name: str, size: float, units: Mapping[str, str]) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.laws import law_words
+from studies.laws import law_words, line_verdicts
 from studies.laws.line_verdicts import MONOTONE, NOISE, Show
 
 from ..stored.trend_lines import LawLine
@@ -33,13 +33,25 @@ def panel(law: LawLine, ax: Axes, title: str) -> str:
                 linewidth=3,
                 alpha=0.6,
                 zorder=3,
-                label="a case outside" if case else "a step the wrong way",
+                label="a case outside" if case else WRONG,
                 **how,
             )
+    if row["kind"] == MONOTONE:
+        _mark_steps(law, ax, colour)
     draw_curve(law, ax)
     ax.set_title(fonts.wrap(title, ax), loc="left", color=colour)
     canvas.add_legend(ax)
     return caption_of(law)
+
+
+def _mark_steps(law: LawLine, ax: Axes, colour: str) -> None:
+    """Draw the steps the wrong way of the lines at other values of the other axes."""
+    along = labels.in_label_unit(law.axis, law.along)
+    for line in law.lines:
+        if not np.array_equal(line, law.values, equal_nan=True):
+            values = labels.in_label_unit(law.observable, line)
+            for step in line_verdicts.judge(line, law.row["direction"], law.is_count).exceptions:
+                ax.plot(along[[*step]], values[[*step]], color=colour, linewidth=1.2, zorder=1.5, label=WRONG)
 
 
 def titles(laws: Sequence[LawLine], room: float, size: float) -> list[str]:
@@ -151,6 +163,7 @@ def show_of(formulas: Mapping[str, str], observable: xr.DataArray, axis: xr.Data
     return show
 
 
+WRONG = "a step the wrong way"  # in a legend
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))  # of a curve and a lower bound; of an upper bound
 SEEN = 4.0  # points across, from which a band is seen beside a line
 ALLOWED = "allowed"  # what a law allows

@@ -166,7 +166,7 @@ class _Maps:
         tail = f" at {value}." if value else "."
         said = [f"Law {head}{law.counts(where)}{tail}" for head, law in zip(heads, laws, strict=True)]
         title = labels.label(self.stored[name], long=True) + self.colours[name].said
-        title = fonts.break_lines(title, self.inches[0] + 0.3)
+        title = fonts.break_lines(title, self.inches[0] + 0.2)
         if along:
             title = f"{title}\n{value}" if k == 0 else value
         above = sum(law.row["axis"] == self.choice.y for law in laws) * (THICK + GAP) * 72

@@ -21,7 +21,7 @@ from studies.laws.line_verdicts import NOISE
 
 from ..stored.stored_cases import NEARLY_STRAIGHT
 from ..stored.stored_study import StoredStudy
-from ..words import labels
+from ..words import caution_words, labels
 from . import canvas, colours, drawn_rods, fonts, regions, unrolled
 from .axis_scales import RoomLocator, Scale
 from .halo import Halo
@@ -38,10 +38,6 @@ MOST_CLASSES = 24  # of a count, with a border between each two
 # points that a map shows, and on a square inch of it: each is seen, and between them the map
 MOST_SAMPLES, DENSEST = 1200, 120
 REFINED = 4  # times fewer of a refined study: its cases lie along borders, which they would cover
-BARRED = (
-    "a case whose shape no real rod could keep",
-    "No real rod could keep a shape that would lift off away from its ends, or pass through itself.",
-)
 TURNED: Any = {"facecolor": colours.UNKNOWN, "edgecolor": colours.SOFT, "hatch": "....", "linewidth": 0}
 DENSE = ", dense where a number changes"  # of the cases of a refined study
 SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.5, "alpha": 0.8}
@@ -139,7 +135,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
     most = max(_one_of(panel, inches) for panel in panels)
     few = f" (one of {most} is shown)" if most > 1 else ""
     dense = DENSE if SAMPLE in panels[0].source.sizes else ""
-    marks = {"." * bool(~barred.all()): "a case", "x" * bool(barred.any()): BARRED[0]}
+    marks = {"." * bool(~barred.all()): "a case", "x" * bool(barred.any()): caution_words.BARRED}
     legend: list[Artist] = [
         Line2D([], [], label=label, marker=mark, markersize=LARGER * SIZES[mark], **SAMPLES)
         for mark, label in marks.items()
@@ -174,7 +170,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
     is_thinned = any(panel.nearly_straight(name).any() for panel in panels for name in shown)
     return [
         *legend,
-        *BARRED[1:] * is_mixed,
+        *[caution_words.WHY_BARRED] * is_mixed,
         *[f"{turned} of {cases} rods {turn} no colour."] * bool(turned),
         *["Of nearly straight rods all cases of the coarse grid are shown, and no others."] * is_thinned,
         *[f"{unchecked} of {cases} rods were not checked for all cautions."] * bool(unchecked),

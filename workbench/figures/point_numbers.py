@@ -41,13 +41,15 @@ Values = NDArray[np.float64]
 class NumberedPoint:
     """A point of a diagram in the units of its axes, and what it is called: a number, perhaps with a letter.
 
-    needed: whether the number is written also where it covers a line or has a line to its point.
+    needed: whether the number is written also where it covers a line or has a line to its point. bare: whether the
+    point has no dot, and so a line from its number.
     """
 
     x: float
     y: float
     name: str
     needed: bool = True
+    bare: bool = False
 
 
 def write(
@@ -89,7 +91,7 @@ def write(
         text, place = join([points[i].name for i in group]), places[group[0]]
         size = np.array([fonts.width_of(text, fonts.small()) + STEP, fonts.small() * 1.15 / 72])
         others = dots[np.linalg.norm(dots - place, axis=1) >= SAME]
-        middle, led, clean = _best(place, size, taken, others, np.array(inches))
+        middle, led, clean = _best(place, size, taken, others, np.array(inches), points[group[0]].bare)
         if not (clean or points[group[0]].needed):
             continue
         written += group
@@ -154,11 +156,13 @@ def _groups(places: Values) -> list[list[int]]:
     return groups
 
 
-def _best(place: Values, size: Values, taken: Values, others: Values, inches: Values) -> tuple[Values, bool, bool]:
+def _best(
+    place: Values, size: Values, taken: Values, others: Values, inches: Values, bare: bool
+) -> tuple[Values, bool, bool]:
     """The middle of a text of that size where it covers least, nearly the nearest, whether a line leads to it, and
     whether it stands inside, beside its point and on nothing.
 
-    others: the other points. taken: what stands in the diagram, with its costs, (n, 3).
+    others: the other points. taken: what stands in the diagram, with its costs, (n, 3). bare: as of `NumberedPoint`.
     """
     best, least = (place, False, False), np.inf
     taken = taken[np.abs(taken[:, :2] - place).max(axis=1) < AWAY[-1] + 1.5 * size.max()]
@@ -167,7 +171,7 @@ def _best(place: Values, size: Values, taken: Values, others: Values, inches: Va
         box = np.stack([middle - size / 2, middle + size / 2])
         gap = float(_gaps(box, place[None])[0])
         share = min(gap / max(float(_gaps(box, others).min(initial=np.inf)), 1e-9), 2.0)
-        led = gap > FAR or share > CLEAR
+        led = bare or gap > FAR or share > CLEAR
         covers = taken[_gaps(box, taken[:, :2]) < STEP, 2].sum()
         covers += POINT * bool((box[0] < 0).any() or (box[1] > inches).any())
         cost = 6 * away + covers + 10 * max(share - 0.3, 0)

@@ -15,7 +15,7 @@ from studies.grammar.axes import SAMPLE
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, print_heights
-from .axis_scales import SPARE, RoomLocator, set_scale
+from .axis_scales import SPARE, RoomLocator, Ticks, set_scale
 from .map_panel import DENSE
 from .sheet import SCREEN, Sheet
 from .trends import UNBENT, Values, mark_missing
@@ -25,6 +25,7 @@ NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches 
 BETWEEN = 0.25  # inches between two rows of panels
 MORE = 0.3, 0.8  # inches of the figure: below its panels, and beside them
 FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which the density is drawn
+SHORT, LONG = 1.2, 1e4  # inches of a panel, on which numbers from so large on are written in thousands
 LEAST = 8  # samples of which a rank correlation says something
 BINS = (90, 60)  # of the density
 
@@ -85,7 +86,9 @@ def _rows(stored: StoredStudy, names: Sequence[str], width: float, narrow: bool)
         _draw_samples(stored.select(held), ax, name, field, room)
         ax.tick_params(labelleft=field == fields[0], labelbottom=name == names[-1])
         if name == names[-1]:
-            ax.set_xlabel(fonts.fit_label(partial(labels.axis_label, stored[field]), room))
+            label = fonts.fit_label(partial(labels.axis_label, stored[field]), room)
+            written = ax.xaxis.get_major_formatter()
+            ax.set_xlabel(label.replace("[", "[10³ ") if isinstance(written, Ticks) and written.unit > 1 else label)
         if field == fields[0]:
             ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[name]), tall - BETWEEN, most=3))
 
@@ -109,6 +112,8 @@ def _draw_samples(stored: StoredStudy, ax: Axes, name: str, field: str, room: fl
     known = np.isfinite(y) & ~straight
     logarithmic = stored.is_logarithmic(field)
     set_scale(ax.xaxis, (float(x.min()), float(x.max())), logarithmic, SPARE)
+    if room < SHORT and x.max() >= LONG and "[" in labels.axis_label(stored[field]):
+        ax.xaxis.set_major_formatter(Ticks(1e3))
     if known.sum() > MANY:
         _density(ax, x[known], y[known], logarithmic)
     else:

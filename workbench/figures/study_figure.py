@@ -88,11 +88,11 @@ def _figure_of(
     stored: StoredStudy, rods_along: Mapping[str, drawn_rods.DrawnRods], chosen: "_Choice", sheet: Sheet
 ) -> Figure:
     """The figure of what is chosen; rods_along: axis -> the rods of its unrolled views."""
-    count, width = len(chosen.panels), sheet.width
+    count, width, title = len(chosen.panels), sheet.width, canvas.title_height(stored, sheet)
     strips_high = unrolled.STRIPS[not sheet.narrow] * width
     if sheet.style == "paper" and chosen.strips:
         rows_below = -(-count // (1 if sheet.narrow else 2))
-        left = print_heights.TALLEST - canvas.TITLE * sheet.titled - rows_below * canvas.ROW - unrolled.LEGEND
+        left = print_heights.TALLEST - title - rows_below * canvas.ROW - unrolled.LEGEND
         strips_high = min(strips_high, max(left / len(chosen.strips) - unrolled.LABELS, unrolled.LEAST_STRIP))
     laws = [line for line in chosen.panels if isinstance(line, LawLine)]
     across = 1 if sheet.narrow or not count else 3 if count == 3 and not laws else min(count, 2)
@@ -102,7 +102,7 @@ def _figure_of(
     straight = [name for name, view in views.items() if view.is_straight and sheet.panel is None and count]
     shown = {name: view for name, view in views.items() if name not in straight}
     if sheet.narrow:
-        left = print_heights.TALLEST - canvas.TITLE * sheet.titled
+        left = print_heights.TALLEST - title
         left -= sum(view.height + unrolled.LABELS for view in shown.values())
         left -= max((view.below for view in shown.values()), default=0.0)
         law_height = float(np.clip(left / max(count, 1), canvas.ROW, NARROW_LAW))

@@ -19,6 +19,7 @@ UNBENT = "Bends of nearly straight rods are left out."
 WITHIN = "estimated error"  # in a legend
 WITHOUT = "solved, without a number"  # in a legend
 BRACKET, CHANGE = "changes in between", "change"  # of a whole number: in a legend, and the gid of what shows it
+ALONE_BY = 0.02  # of that range, between an end that has its name and any other
 APART = 0.08  # of the range of lines, from one end to the next: nearer ones have no room for their names
 NEAR = 0.08  # inches between two values of an axis whose dots touch: a step in their middle is right within a dot
 
@@ -27,24 +28,19 @@ Values = NDArray[np.float64]
 
 def trend(line: TrendLine, ax: Axes) -> Axes:
     """A number of each case against an axis; of a grid the lines at other values of the other axes are pale, and have
-    their names at the right where these have room.
+    their names at the right where these have room, else the lowest and the highest.
 
     More than `MOST_DOTS` cases are joined by a line in any case.
     """
     along = labels.in_label_unit(line.axis, line.along)
     lines, values = (labels.in_label_unit(line.observable, numbers) for numbers in (line.lines, line.values))
     set_scale(ax.xaxis, (float(along.min()), float(along.max())), line.is_logarithmic, SPARE)
-    others = [(name, row) for name, row in zip(line.names, lines, strict=False) if not np.array_equal(row, values)]
-    named = sorted((pair for pair in others if np.isfinite(pair[1][-1])), key=lambda pair: pair[1][-1])
-    apart = np.diff([row[-1] for _, row in named]) > APART * (np.nanmax(lines) - np.nanmin(lines)) if named else []
-    if len(named) < len(others) or not np.all(apart):
-        named = []
+    named, key = _names_at_ends(line, lines, values)
     for k, other in enumerate(lines, 1):
         look: dict[str, Any] = {"color": colours.OTHERS, "linewidth": 1, "zorder": 1, "gid": f"{line.elsewhere}, {k}"}
-        label = "" if named else line.elsewhere
-        draw_line(ax, along, other, line.is_count, label=label, **look)
-    for name, other in named:
-        ax.annotate(name, (along[-1], other[-1]), (4, 0), textcoords="offset points", va="center", size=fonts.small(),
+        draw_line(ax, along, other, line.is_count, label=key, **look)
+    for name, height in named:
+        ax.annotate(name, (along[-1], height), (4, 0), textcoords="offset points", va="center", size=fonts.small(),
                     color=colours.SOFT)  # fmt: skip
     changes = np.empty(0, dtype=int)
     if _is_joined(line):
@@ -82,6 +78,27 @@ def trend(line: TrendLine, ax: Axes) -> Axes:
         else:
             ax.fill_between(along, low, high, linewidth=0, step="mid", **look)
     return ax
+
+
+def _names_at_ends(line: TrendLine, lines: Values, values: Values) -> tuple[list[tuple[str, float]], str]:
+    """The names of the lines at other values with the heights of their ends, and the entry of the legend.
+
+    All have names and there is no entry, or the entry says their values, and of the lowest and the highest end each has
+    a name that stands alone.
+    """
+    others = [(name, float(row[-1])) for name, row in zip(line.names, lines, strict=False)
+              if not np.array_equal(row, values)]  # fmt: skip
+    named = sorted((pair for pair in others if np.isfinite(pair[1])), key=lambda pair: pair[1])
+    if not named:
+        return [], line.elsewhere
+    heights = np.array([height for _, height in named])
+    span = float(np.nanmax(lines) - np.nanmin(lines))
+    if len(named) == len(others) and np.all(np.diff(heights) > APART * span):
+        return named, ""
+    first, last, *ends = (name.partition("= ")[2] for name, _ in [others[0], others[-1], named[0], named[-1]])
+    near = [int((np.abs(np.append(heights, values[-1]) - height) < ALONE_BY * span).sum()) for height in heights]
+    alone = {name: float(heights[k]) for name, k in zip(ends, (0, -1), strict=True) if near[k] == 1}
+    return list(alone.items()), f"{line.elsewhere}, {first} to {last}"
 
 
 def _is_joined(line: TrendLine) -> bool:

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.transforms import Affine2D, Transform
+from matplotlib.transforms import Affine2D, ScaledTranslation, Transform
 from numpy.typing import NDArray
 
 from solver.orbits import frames
@@ -39,6 +39,7 @@ STRIPS, LEAST_STRIP = (0.75, 0.42), 0.9  # height over a narrow and another widt
 LABELS = 0.35  # inches below and above views in a panel
 BESIDE, BELOW, LEGEND = 0.5, 0.15, 0.25  # inches of a figure beside views, below them, and of a legend of rings
 WORDS, ABOVE = 1.3 / 72, 0.06  # inches of a line of words per point of its size; from the words to their view
+CROSS = 0.09  # inches from the words to the middle of a cross behind them
 HANGING = 0.236  # of the size of letters, by which those such as p hang below their line
 SMALLEST = 0.1  # inches of the largest view
 WORTH = 1.7  # a scale so many times larger is worth another row of a list
@@ -49,6 +50,7 @@ SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches
 REACH = 2.0  # radii of the rod between a ring and its line at most: two stretches overlap within one radius of it
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
 BEGINNING: dict[str, Any] = {"color": colours.INK, "markersize": 2.0, "markeredgewidth": 0, "zorder": 6}
+BARRED: dict[str, Any] = {"color": colours.INK, "markersize": 4.0, "markeredgewidth": 0.8}
 ARROW, FOOT = 0.45, 0.55  # inches of the arrows of the key at most, and of all of it downwards
 BAR, BAR_GAP = 0.3, 0.3  # inches of the bar of colours per point of its words, and between the key and the bar
 VIEWS = "unrolled views"  # the label of their axes
@@ -77,12 +79,12 @@ class Crossing(NamedTuple):
     """A place where a rod passes through itself on the unrolled cylinder, (2,) each [length].
 
     place: z and distance around. apart: how far its two stretches are apart; NaN where it comes back after a turn.
-    loop: width and height of what is between them along the rod.
+    bend: whether it is a bend tighter than the rod is thick, which lies within the thickness of the rod: then that.
     """
 
     place: Any
     apart: Values
-    loop: Values
+    bend: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +96,7 @@ class UnrolledView:
     its line in a table; default: the first line of the text. over: x, y, look and name of further lines on the same
     cylinder. band: the distances around between which that is drawn, where the rod is in lines. begins: whether the rod
     begins here. edges: places where contacts begin and end, and directions of the rod there, (2,) each [length].
+    barred: whether a cross behind the text says that no real rod could keep the shape.
     """
 
     x: Values
@@ -106,6 +109,7 @@ class UnrolledView:
     band: tuple[float, float] | None = None
     begins: bool = True
     edges: Sequence[tuple[Values, Values]] = ()
+    barred: bool = False
 
     @property
     def box(self) -> Values:
@@ -164,7 +168,7 @@ def plan(
     sizes = np.array([view.size for view in views])
     sizes[:, 0] = sizes[:, 0].max() if even else sizes[:, 0]
     wide, tall = map(float, sizes.max(axis=0))
-    words = np.array([words_size(view.text, letters) for view in views])
+    words = np.array([words_size(view.text, letters) + np.array([2 * CROSS * view.barred, 0.0]) for view in views])
     words[:, 1] = words[:, 1].max()
     if len(views) * wide * room[1] < SLENDER * room[0] * tall:
         room = room[0], min(room[1], UPRIGHT)
@@ -376,6 +380,11 @@ class UnrolledPanel:
                 top += words
                 under = 0.0 if "\n" in view.text else HANGING * small / 72  # an index hangs lower than other letters
                 ax.annotate(view.text, (left, top - ABOVE - under), va="baseline" if under else "bottom", **text)
+                if view.barred:
+                    behind = fonts.width_of(view.text, small) + CROSS, WORDS * small / 2  # inches, as of the text
+                    page: Any = ax.get_figure(root=True)
+                    where = ax.transData + ScaledTranslation(*behind, page.dpi_scale_trans)
+                    ax.plot(left, top - ABOVE, "x", transform=where, label=caution_words.BARRED, **BARRED)
             else:
                 ax.annotate(view.text, (left - ABOVE, top + high / 2), ha="right", va="center", **text)
                 ax.add_patch(Rectangle((left, top), form.size[0], high, color=colours.BAND, linewidth=0, zorder=0))
@@ -393,10 +402,10 @@ class UnrolledPanel:
             _draw_edges(ax, view.edges, to_page)
             rings += view.rings
             for ring in view.rings:
-                apart, loop = (form.scale * of * [1, form.factor] for of in (np.nan_to_num(ring.apart), ring.loop))
+                apart = form.scale * np.nan_to_num(ring.apart) * [1, form.factor]
                 places.append(to_page.transform(ring.place))
-                sizes.append(crossing_rings.around(float(np.linalg.norm(apart)), float(loop.max())))
-        tight = TIGHT * any(not ring.apart.any() for ring in rings)
+                sizes.append(72 * float(np.linalg.norm(apart)) + crossing_rings.SMALLEST)
+        tight = TIGHT * any(ring.bend for ring in rings)
         turned = TURNED * any(np.isnan(ring.apart).any() for ring in rings)
         close = ""
         if rings:  # below lines, which need no pale edge then
@@ -412,6 +421,7 @@ class UnrolledPanel:
         return [
             *[crossing_rings.entry(THROUGH + tight + turned + close)] * bool(rings),
             sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
+            *[caution_words.WHY_BARRED] * any(view.barred for view in self.views),
             *self.notes,
             *said[:1],
         ]
@@ -500,7 +510,8 @@ def panel_of(
 ) -> UnrolledPanel:
     """The unrolled views of rods of a study in a room of inches: in rows, or one long rod in lines.
 
-    coloured: whether the lines have the colours of the push. bar: as of `UnrolledPanel`.
+    coloured: whether the lines have the colours of the push; else a cross says which shapes no real rod could keep,
+    where these are not all of the file. bar: as of `UnrolledPanel`.
     """
     unit = labels.unit(rods.source.units["length"])
     if len(rods.rods) == 1:
@@ -508,6 +519,7 @@ def panel_of(
         if in_lines := lines_of(rods.rods[0], inches, letters, unit, coloured, bar):
             return in_lines
     norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
+    is_marked = not (coloured or rods.axis is None or rods.source.restable.startswith(caution_words.NONE))
     views, notes, winds = [], list[str](), False
     for k, rod in enumerate(rods.in_study_order):
         text = "" if rods.axis is None else rod.name if k == 0 else rod.value
@@ -524,7 +536,8 @@ def panel_of(
         if len(edges) > MOST_EDGES:
             notes.append(f"{len(edges)} ticks would hide the rod{f' of {rod.name}' * bool(rod.value)}: it has none.")
             edges = []
-        views.append(replace(view, over=[*view.over, *parts_off_wall(rod)], edges=edges))
+        barred = is_marked and caution_words.is_barred(rod.caution)
+        views.append(replace(view, over=[*view.over, *parts_off_wall(rod)], edges=edges, barred=barred))
     notes = [*[AROUND] * winds, *off_wall(rods.solved), *[EDGES] * any(view.edges for view in views), *notes]
     return UnrolledPanel(views, room, letters, unit, even=True, notes=notes, bar=bar)
 
@@ -565,15 +578,14 @@ def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> 
         return None
     rings: list[Crossing] = []
     line = np.stack([z, rho * (alpha - alpha[0])], axis=1)
-    for pair in pairs:
-        places = np.array([np.interp(pair, s, values) for values in line.T]).T
-        loop = np.ptp(np.vstack([places, line[(s > pair[0]) & (s < pair[1])]]), axis=0)
-        near = np.linalg.norm(places[1] - places[0]) < NEAR * a
-        rings += (
-            [Crossing(places.mean(axis=0), places[1] - places[0], loop)]
-            if near
-            else [Crossing(place, np.full(2, np.nan), loop) for place in places]
-        )
+    for first, last in pairs:
+        places = np.array([np.interp((first, last), s, values) for values in line.T]).T
+        if first == last:
+            rings.append(Crossing(places[0], np.array([2 * a, 0.0]), bend=True))
+        elif np.linalg.norm(places[1] - places[0]) < NEAR * a:
+            rings.append(Crossing(places.mean(axis=0), places[1] - places[0]))
+        else:
+            rings += [Crossing(place, np.full(2, np.nan)) for place in places]
     return rings
 
 

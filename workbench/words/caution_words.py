@@ -60,6 +60,9 @@ WORDS = {
 }
 NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 _POSSIBLE = (TURNED, STRAINED, AT_ENDS)  # what a real rod can do
+NONE = "no real rod could keep"  # of all shapes of a file
+BARRED = "a case whose shape no real rod could keep"  # in a legend: the cross of one that `is_barred`
+WHY_BARRED = "No real rod could keep a shape that would lift off away from its ends, or pass through itself."
 _STRAIN = re.compile(r"\((.+?) %; (?:(metals) are )?linear to (.+?) %\)")
 _EXTENT = re.compile(rf"\(((?:{NO_PUSH}|{PULL}) on .+? % of the length)(?: within (?:\S+ to )?(.+) an end)?\)")
 
@@ -203,7 +206,7 @@ def restable(texts: Any, solved: Any, stable: Any = True) -> str:
     if not off and not any(map(is_barred, texts)):
         return ""
     if not kept:
-        return f"no real rod could keep {'this shape' if cases == 1 else 'these shapes'}"
+        return f"{NONE} {'this shape' if cases == 1 else 'these shapes'}"
     if cases == 1:
         return "a real rod could keep this shape except next to its ends"
     unknown = any(UNKNOWN in text for text in kept)
