@@ -77,7 +77,7 @@ def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stor
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("out", ["small.h5", "small.toml/x.h5", "not/here.h5"])
+@pytest.mark.parametrize("out", ["small.h5", "small.toml/x.h5", "not/here.h5", "rods.png"])
 def test_what_cannot_be_stored_is_refused_before_any_work(out, stored, monkeypatch) -> None:
     monkeypatch.chdir(stored.parent)
     monkeypatch.setattr(run_and_resume, "_solve", lambda *_: pytest.fail("worked in vain"))

@@ -17,8 +17,6 @@ from .stored_words import JUDGED, SAMPLING, print_sentences, print_verdicts
 if TYPE_CHECKING:
     from ..run.run_and_resume import Ran
 
-READ = (".toml", ".csv", ".parquet")  # the files of studies and tables
-
 
 @presents()
 def run(
@@ -60,6 +58,7 @@ def run(
     """
     from studies import load
 
+    from ..run import atomic
     from ..run.block import keep_memory
     from ..run.run_and_resume import RunOptions, run_to_file
     from .fidelity import fidelity
@@ -69,11 +68,7 @@ def run(
         chosen = fidelity(level).of(chosen)
     if stations is not None:
         chosen = chosen.at_stations(stations)
-    path = out or Path(f"{chosen.name}.h5")
-    if path.suffix.lower() in READ:
-        raise InputError(
-            f"a run reads {path.suffix} files and writes none, got {str(path)!r}; give a name such as {path.stem}.h5"
-        )
+    path = atomic.check_name(out or Path(f"{chosen.name}.h5"), atomic.STORED)
     if changes := {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}:
         chosen = chosen.with_values(**changes)
     _check_free(path, chosen.name, force)
@@ -150,10 +145,11 @@ def merge(
     """
     from studies.laws.law_words import count_of
 
+    from ..run import atomic
     from ..run.file_merge import merge as join
     from ..stored import stored_verdicts
 
-    done = join(files, out, force)
+    done = join(files, atomic.check_name(out, atomic.STORED), force)
     status = stored_verdicts.status(done["unsolved"], done["laws"])
 
     def show() -> None:
