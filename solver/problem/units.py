@@ -110,7 +110,7 @@ def is_angle_unit(name: str) -> bool:
 
 
 def _no_product(text: str) -> UnknownUnit:
-    return UnknownUnit(f"{text[:MOST_TEXT]!r} is not a product of units, such as MPa, lb/ft or deg/(30 m)")
+    return UnknownUnit(f"no product of units, such as MPa, lb/ft or deg/(30 m), in {text[:MOST_TEXT]!r}")
 
 
 class _Parts:

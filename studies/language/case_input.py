@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import MISSING, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from solver.problem.field_values import doubt_size, is_met, is_said
 from solver.problem.limits import farthest
 from solver.problem.notices import UnitWarning, warn
 from solver.problem.quantities import unit_of
-from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
+from solver.problem.units import FORCES, LENGTHS, UnknownUnit, base_unit, dimension_of, split, unit_size
 
 from ..grammar.axes import DEFAULT_UNITS, WORDS, Which, case_from, in_words, number_with_unit, quantity_of
 from .loader import load
@@ -228,7 +229,11 @@ def units_said(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str,
 
 
 def check_alone(file: Path, units: Mapping[str, str], table1: bool = False) -> None:
-    """Raise `InputError` for units, or Table 1, beside a file."""
+    """Raise `InputError` for units, or Table 1, beside a file, and for a unit in place of a file."""
+    if not file.exists():
+        with suppress(UnknownUnit):
+            unit_size(str(file))
+            raise InputError(f"{file} stands apart from its number: write both as one word, 5{file}, or in quotes")
     if table1:
         raise InputError(f"{file.name} and --table1 exclude each other: each describes a whole rod")
     if units:

@@ -339,6 +339,18 @@ def test_an_axis_value_of_no_file_is_refused(capsys) -> None:
     assert "give also its FILE" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("load", "sentence"),
+    [
+        ("40 klbf", "klbf stands apart from its number: write both as one word, 5klbf, or in quotes"),
+        ("40,5", "wob is a force, and there is no product of units, such as MPa, lb/ft or deg/(30 m), in ',5': choose"),
+    ],
+)
+def test_a_load_that_is_typed_in_two_pieces_is_refused_by_what_is_wrong_with_it(load: str, sentence: str, capsys):
+    assert exit_status("solve", "--EI", "1e5", "--length-unit", "m", "--wob", *load.split()) == 2
+    assert sentence in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("text", ["20ksi", "5furlong"])
 def test_a_unit_that_does_not_fit_is_refused_by_the_name_of_the_option(text: str, capsys) -> None:
     assert exit_status("solve", "--table1", "--least-bend-radius", text) == 2
