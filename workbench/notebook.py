@@ -321,13 +321,9 @@ def table_of_solution(sol: Solution) -> str:
     rows += [("condition number", f"{np.max(sol.condition):.3g}")]
     if each.any():
         values = observe(sol, list(NUMBERS))
-        rows += [
-            (
-                quantity(name).long_name.partition(" (")[0].partition(",")[0],
-                _span(name, np.asarray(values[name], dtype=float)[each]),
-            )
-            for name in NUMBERS
-        ]
+        for name in NUMBERS:
+            words = quantity(name).long_name.partition(" (")[0].partition(",")[0]
+            rows.append((words, _span(name, np.asarray(values[name], dtype=float)[each])))
         rows += [("caution", caution)] if (caution := caution_words.said(caution_words.of_cases(sol))) else []
     shape = f" of {each.size} cases" if each.size > 1 else ""
     return _table(f"Solution{shape}, {sol.t.shape[-1]} stations", rows)

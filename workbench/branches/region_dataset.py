@@ -43,9 +43,8 @@ def as_dataset(study: Study, found: RegionMap, checked: tuple[int, int] | None =
     stations = data["stable_alpha"].sizes["u"]
     coords["u"] = xr.Variable("u", np.linspace(0, 1, stations), quantity_variables.labels("u", units))
     symbols = " and ".join(label["symbol"] for label in labels.values())
-    number = "The number of equilibria" + " found" * (
-        folds.case.rod.weight is not None or bool(fields_held(folds.case))
-    )
+    is_searched = folds.case.rod.weight is not None or bool(fields_held(folds.case))
+    number = "The number of equilibria" + " found" * is_searched
     ds = xr.Dataset(data, coords, attributes(study, folds.case, f"{number} over {symbols}"))
     ds.attrs |= {"study_name": "folds", "fields": json.dumps(names), "remark": found.remark}
     ds.attrs |= {"low": folds.low.tolist(), "high": folds.high.tolist()}

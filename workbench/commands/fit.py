@@ -324,17 +324,11 @@ def _show_pairs(found: "Fit") -> None:
 def _show_minima(found: "Fit", asked: "CaseInput") -> None:
     if not found.minima:
         return
-    rows = [
-        [
-            _sum(found, minimum.cost),
-            *(
-                tables.text_of(number_stated(n, minimum.values[n], asked.units)) + " (bound)" * (n in minimum.at_bound)
-                for n in found.values
-            ),
-            "yes" if minimum.as_good == found.exact else "no",
-        ]
-        for minimum in found.minima
-    ]
+    rows = []
+    for minimum in found.minima:
+        stated = {name: tables.text_of(number_stated(name, minimum.values[name], asked.units)) for name in found.values}
+        cells = [text + " (bound)" * (name in minimum.at_bound) for name, text in stated.items()]
+        rows.append([_sum(found, minimum.cost), *cells, "yes" if minimum.as_good == found.exact else "no"])
     heads = [tables.column_title(name, unit_stated(name, asked.units)) for name in found.values]
     goal = "data" if found.feet is not None else "target" if len(found.groups) == 1 else "targets"
     judged = f"reaches the {goal}" if found.exact else "excluded by the data"

@@ -62,9 +62,8 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     opengl.check()
     rods, shown, said, each = cases(fps)
     count = len(film.cases_of(rods, shown))
-    solve = (
-        None if rods.leaves else study_scene.solver_of(rods, scene_kinds.kind_of(shown.kind), shown.at, [shown.axis])
-    )
+    drawn = scene_kinds.kind_of(shown.kind)
+    solve = None if rods.leaves else study_scene.solver_of(rods, drawn, shown.at, [shown.axis])
     with console.progress(count, lines=True) as step:
 
         def frames(rods: StoredStudy, strict: bool) -> Iterator[Pixels]:

@@ -65,10 +65,7 @@ def hollow(frame: Frame, radius: float, bore: float, sides: int) -> Mesh:
     walls = _walls(np.arange(m).reshape(n, sides), np.zeros(n - 1, dtype=bool))
     rim = np.arange(sides)
     beside, far = np.roll(rim, -1), m - sides
-    ends = [
-        _strip(rim, beside, m + rim, m + beside),
-        _strip(far + beside, far + rim, m + far + beside, m + far + rim),
-    ]
+    ends = [_strip(a, b, m + a, m + b) for a, b in ((rim, beside), (far + beside, far + rim))]
     together = np.concatenate([walls, m + walls[:, ::-1], *ends])
     return Mesh(np.concatenate([points[:m], inner[:m]]), np.concatenate([normals[:m], -inward[:m]]), together)
 

@@ -104,9 +104,8 @@ def _with_effects(
     """
     steps, amounts = zip(*(_amount(known, name, units) for name in ds["field"].values.tolist()), strict=True)
     parts, shown = [], []
-    for name, value, error, unit in zip(
-        *(ds[k].values.tolist() for k in ("observable", "value", "error", "unit")), strict=True
-    ):
+    rows = (ds[key].values.tolist() for key in ("observable", "value", "error", "unit"))
+    for name, value, error, unit in zip(*rows, strict=True):
         relative, angle = _has_share(name, value, error), unit == "rad"
         parts.append(value / 100 if relative else np.deg2rad(1.0) if angle else 1.0)
         shown.append(PERCENT if relative else "deg" if angle else unit)

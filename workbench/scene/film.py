@@ -250,15 +250,12 @@ def _begin(fig: Figure, film: Film, scene: Scene, lying: bool) -> None:
     start = max(2.3, 2 * left + fonts.width_of(paint.label, fonts.SMALL) + 0.1)  # beside the bar
     room = across - start - (0.1 if weight is None else 1.2)
     said = [fonts.break_lines(text, room, fonts.SMALL) for text in (labels.capital(note), stored.left_out)]
-    ax.text(
-        start, tall - 0.24, "\n".join(filter(None, [", ".join(notes), *said])), size=fonts.SMALL, color=colours.SOFT
-    )
+    words = "\n".join(filter(None, [", ".join(notes), *said]))
+    ax.text(start, tall - 0.24, words, size=fonts.SMALL, color=colours.SOFT)
     if film.observable:
-        box = (
-            (0.62, FOOT + 0.3, across - 0.9, DIAGRAM[1] - 0.5)
-            if lying
-            else (across - DIAGRAM[0] + 0.45, FOOT + 0.35, DIAGRAM[0] - 0.65, high - 0.55)
-        )
+        box = (0.62, FOOT + 0.3, across - 0.9, DIAGRAM[1] - 0.5)
+        if not lying:
+            box = (across - DIAGRAM[0] + 0.45, FOOT + 0.35, DIAGRAM[0] - 0.65, high - 0.55)
         place = box[0] / across, box[1] / tall, box[2] / across, box[3] / tall
         _draw_diagram(fig.add_axes(place), stored, film)
 

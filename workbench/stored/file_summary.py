@@ -230,12 +230,8 @@ def least_accurate(path: Path) -> dict[str, Any]:
 def brief_law(row: dict[str, Any]) -> dict[str, Any]:
     """A law's row with the number of its exceptions, of which there may be as many as cases, in place of their list."""
     short = {key: value for key, value in row.items() if key not in ("exceptions", "also")}
-    return {
-        **short,
-        "stated": law_words.law_in_words(row),
-        "said": law_words.sentence(row),
-        "exceptions": len(row["exceptions"]),
-    }
+    said = {"stated": law_words.law_in_words(row), "said": law_words.sentence(row)}
+    return {**short, **said, "exceptions": len(row["exceptions"])}
 
 
 SENTENCES = ("stability", "begin", "end", "remark", "searched")  # attributes that are printed as they are
@@ -244,11 +240,8 @@ SENTENCES = ("stability", "begin", "end", "remark", "searched")  # attributes th
 def contents(path: Path) -> dict[str, Any]:
     """What the file holds, as plain data. Raises `InputError`."""
     ds = reading.read(path, study=False)
-    numbers = [
-        str(name)
-        for name, variable in ds.variables.items()
-        if variable.dtype.kind in "iuf" and "u" not in variable.dims
-    ]
+    each = {str(name): variable for name, variable in ds.variables.items() if "u" not in variable.dims}
+    numbers = [name for name, variable in each.items() if variable.dtype.kind in "iuf"]
     solved = ds["solved"].values.astype(bool) if "solved" in ds else np.ones(0, dtype=bool)
     named = ds["outcome"].values.astype(str) if "outcome" in ds else np.zeros(0, dtype=str)
     texts = Counter(map(str, np.ravel(ds["caution"].values))) if "caution" in ds else Counter()

@@ -444,14 +444,7 @@ class StoredCases:
 
 def _without_numbers(ds: "xr.Dataset", where: "xr.DataArray", prefix: str) -> "xr.Dataset":
     """The dataset with NaN in the numbers of a name with the prefix where an array says so."""
-    names = [
-        name
-        for name, array in ds.data_vars.items()
-        if array.dims == where.dims
-        and str(name).startswith(prefix)
-        and array.dtype.kind in "iuf"
-        and "branch" not in str(name)
-    ]
-    return ds.assign(
-        {name: ds[name].astype(float).where(~where, np.nan).assign_attrs(ds[name].attrs) for name in names}
-    )
+    alike = {str(name): array for name, array in ds.data_vars.items() if array.dims == where.dims}
+    named = {name: array for name, array in alike.items() if name.startswith(prefix) and "branch" not in name}
+    numbers = {name: array.astype(float) for name, array in named.items() if array.dtype.kind in "iuf"}
+    return ds.assign({name: each.where(~where, np.nan).assign_attrs(ds[name].attrs) for name, each in numbers.items()})

@@ -51,10 +51,7 @@ WORDS = {
         "are bent tighter than their own radius (kappa a > 1)",
     ),
     MEETS: ("passes through itself", "pass through themselves"),
-    TURNED: (
-        "turns back against the direction of both its ends",
-        "turn back against the direction of both their ends",
-    ),
+    TURNED: ("turns back against the direction of both its ends", "turn back against the direction of both their ends"),
     STRAINED: ("is strained", "are strained"),
     PULLED: ("would lift off the cylinder", "would lift off the cylinder"),
 }
