@@ -201,11 +201,8 @@ def _loop(
     kept = sol.trajectory
     ends = kept.beta[0, -1] - kept.beta[0, 0], kept.alpha[0, -1] - 2 * np.pi * turns_around, kept.z[0, -1]
     closure = float(np.abs([*ends, kept.dbeta[0, -1]]).max())
-    met = (
-        None
-        if kept.orbit is None
-        else meets_itself(kept.orbit, float(rod.a / case.rho), seen["kappa_max"] * float(case.rho))
-    )
+    radius, tightest = float(rod.a / case.rho), seen["kappa_max"] * float(case.rho)
+    met = None if kept.orbit is None else meets_itself(kept.orbit, radius, tightest)
     numbers = seen["bending_energy"], index_of(orbit.lowest, orbit.lam, folds), seen["push_min"], seen["push_max"]
     lam = about * float(orbit.lam)
     return Loop(sol, int(turns_around), int(folds), about * np.pi / 2, lam, *numbers, seen["attached"], met, closure)

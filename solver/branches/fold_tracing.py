@@ -176,11 +176,9 @@ def step_from(point: Point, node: Node, step: float) -> Ahead[Point] | str:
     """The special point after a step and its node, or why there is none."""
     ahead = advance(point, node, step)
     following = ahead if isinstance(ahead, str) else point.after(ahead)
-    return (
-        LEFT
-        if following is None or (not isinstance(following, str) and np.isnan(following[0].more).any())
-        else following
-    )
+    if following is None or (not isinstance(following, str) and np.isnan(following[0].more).any()):
+        return LEFT
+    return following
 
 
 def point_on_line(guess: Point, axis: int) -> Point | None:

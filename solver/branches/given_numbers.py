@@ -5,13 +5,14 @@ and all three loads. All derivatives are those of `orbit_rates`.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
 from ..orbits.boundary import Path
-from ..orbits.potential import load_size
+from ..orbits.potential import TAU, load_size
 from ..problem.dimensionless import EndsProblem, HeldProblem
 from .charts import Chart
 from .orbit_rates import NUMBERS, OrbitRates
@@ -19,6 +20,8 @@ from .orbit_rates import NUMBERS, OrbitRates
 FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, beside its path
 ANGLES, LOADS = FREE[:2], FREE[2:]  # of the ends; each load is one of the five parts itself
 _AT = {name: k for k, name in enumerate(NUMBERS)}
+_ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
+_REVERSED = {"beta0": "betaL", "betaL": "beta0", "dbeta0": "dbetaL", "dbetaL": "dbeta0"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,3 +144,34 @@ def values_of(numbers: Array, length: float, given: Given) -> Array:
     """The given numbers of an equilibrium, (5,); numbers: the `NUMBERS`, (11,)."""
     turn = given.ratio * numbers[_AT["mu"]] * length - numbers[_AT["swirl"]]
     return np.array([turn if name == "turn" else numbers[_AT[name]] for name in given.names])
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """Whether beta becomes -beta, whether then pi - beta, whether the rod is run through from its far end; then whole
+    turns are added to beta."""
+
+    negated: bool
+    turned: bool
+    backward: bool
+    whole_turns: int = 0
+
+    @property
+    def direction(self) -> int:
+        """The sign by which beta, but for a constant, is multiplied."""
+        return -1 if self.negated != self.turned else 1
+
+    def angle(self, beta: Any) -> Any:
+        """The image of an angle, or of several."""
+        beta = -beta if self.negated else beta
+        return (np.pi - beta if self.turned else beta) + TAU * self.whole_turns
+
+    def number(self, name: str, value: float) -> tuple[str, float]:
+        """The image of one of the numbers: its name and value."""
+        to = _REVERSED.get(name, name) if self.backward else name
+        if name in ("beta0", "betaL"):
+            return to, self.angle(value)
+        if name in ("dbeta0", "dbetaL"):
+            return to, self.direction * (-value if self.backward else value)
+        odd = sum(on and name in signs for on, signs in zip((self.negated, self.turned), _ODD, strict=True))
+        return to, -value if odd == 1 else value

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..numerics.arrays import DOUBTFUL, NEGLIGIBLE, Array
 from ..numerics.roots import sign_changes
-from ..orbits.boundary import DOWN, UP, Boundary, Path, boundary_of, nearest_angle, wrap
+from ..orbits.boundary import DOWN, UP, Boundary, Path, boundary_of, helix_path, nearest_angle, wrap
 from ..orbits.potential import Loads, load_size, slope, slope_rate
 from ..orbits.variations import HelixVariations
 from .given_numbers import FREE, LOADS, Given, OrbitState, answer, parts_of, problem_after, problem_of
@@ -93,7 +93,7 @@ def _state(helix: _Helix, given: Given) -> OrbitState | None:
     problem = problem_of(given, {**loads, "beta0": helix.beta, "betaL": helix.beta})
     if not np.isfinite(load_size(problem)[0]):
         return None
-    path = boundary_of(problem).helix or Path(wrap(helix.beta), 1.0, -np.inf, 0, 0, True)  # its H has another rounding
+    path = boundary_of(problem).helix or helix_path(wrap(helix.beta))  # its H has another rounding
     return OrbitState(problem, path, orbit_rates(problem, [path]))
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..branches.branch_events import Stop
 from ..branches.deflation import end_vector, is_known
-from ..branches.given_numbers import FREE, Given, OrbitState
+from ..branches.given_numbers import FREE, Given, Mirror, OrbitState
 from ..branches.helices import helices_of
 from ..branches.orbit_rates import orbit_rates
 from ..nodes.hinges import HingedState, half_period_later, mirror_image, rod_of, state_of
@@ -31,8 +31,6 @@ from .held_moves import across_fold, angles_along, carry, deflate, settle, withi
 from .held_sweep import Ranges, SweepPoint, ranges_of, starts_of, swept
 
 MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium. x10: time
-_ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
-_REVERSED = {"beta0": "betaL", "betaL": "beta0", "dbeta0": "dbetaL", "dbetaL": "dbeta0"}
 
 
 @dataclass(eq=False)
@@ -145,37 +143,6 @@ def search_equilibria(
     return result
 
 
-@dataclass(frozen=True)
-class Mirror:
-    """Whether beta becomes -beta, whether then pi - beta, whether the rod is run through from its far end; then whole
-    turns are added to beta."""
-
-    negated: bool
-    turned: bool
-    backward: bool
-    whole_turns: int = 0
-
-    @property
-    def direction(self) -> int:
-        """The sign by which beta, but for a constant, is multiplied."""
-        return -1 if self.negated != self.turned else 1
-
-    def angle(self, beta: float) -> float:
-        """The image of an angle."""
-        beta = -beta if self.negated else beta
-        return (np.pi - beta if self.turned else beta) + TAU * self.whole_turns
-
-    def number(self, name: str, value: float) -> tuple[str, float]:
-        """The image of one of the numbers: its name and value."""
-        to = _REVERSED.get(name, name) if self.backward else name
-        if name in ("beta0", "betaL"):
-            return to, self.angle(value)
-        if name in ("dbeta0", "dbetaL"):
-            return to, self.direction * (-value if self.backward else value)
-        odd = sum(on and name in signs for on, signs in zip((self.negated, self.turned), _ODD, strict=True))
-        return to, -value if odd == 1 else value
-
-
 def mirrors_of(given: Given) -> list[Mirror]:
     """The images that have the given numbers of a problem."""
     known = dict(zip(given.names, given.values.tolist(), strict=True))
@@ -207,8 +174,7 @@ def image_half_period_later(state: OrbitState, given: Given) -> OrbitState | Non
 def image_of(state: OrbitState, mirror: Mirror, given: Given) -> OrbitState:
     """The image of a state, or a guess of it; what is given is exactly as given."""
     if isinstance(state, HingedState):
-        image = mirror_image(state.shape, mirror.negated, mirror.turned, mirror.backward, mirror.whole_turns)
-        return replace(state, shape=image)
+        return replace(state, shape=mirror_image(state.shape, mirror))
     old = state.problem
     known = dict(zip(given.names, given.values.tolist(), strict=True))
     numbers = dict(mirror.number(name, float(getattr(old, name)[0])) for name in FREE)

@@ -11,16 +11,16 @@ import numpy as np
 
 from ..branches.branch_events import Bounds, Stop
 from ..branches.deflation import are_same
-from ..branches.given_numbers import FREE, Given, OrbitState
+from ..branches.given_numbers import FREE, Given, Mirror, OrbitState
 from ..branches.orbit_rates import NUMBERS, rates_of_helices, start_rates
 from ..branches.path_correction import state_from_start
 from ..numerics.arclength import END, POINTS, Lengths
 from ..numerics.arrays import ALIKE, Array
 from ..numerics.chebyshev import GAUSS
 from ..numerics.roots import DIVERGED, REACH
-from ..orbits.boundary import Path, wrap
+from ..orbits.boundary import helix_path, wrap
 from ..orbits.path_orbits import orbit_of
-from ..orbits.potential import TAU, Loads, potential
+from ..orbits.potential import Loads, potential
 from ..problem.dimensionless import EndsProblem
 from .banded_newton import correct, deflate, open_at
 from .constant_loads import end_numbers, shape_of_orbit
@@ -80,8 +80,7 @@ def state_of(shape: Shape) -> HingedState:
     start = problem.with_start(np.array([number["dbeta0"]]))
     rates = rates_of_helices(problem) if is_helix else start_rates(start)
     rates = replace(rates, problem=problem, values=np.append(end_vector(shape), np.nan)[None])
-    helix = Path(wrap(number["beta0"]), 1.0, -np.inf, 0, 0, True)
-    path = helix if is_helix else state_from_start(rates, number["dbeta0"]).path
+    path = helix_path(wrap(number["beta0"])) if is_helix else state_from_start(rates, number["dbeta0"]).path
     index, energy = index_at(shape), energy_of(shape)
     return HingedState(problem=problem, path=path, rates=rates, known_index=index, known_energy=energy, shape=shape)
 
@@ -175,20 +174,16 @@ def across_fold_hinged(state: OrbitState, wanted: Given) -> list[OrbitState]:
     return [replace(state, shape=beside) for beside in pushed]
 
 
-def mirror_image(shape: Shape, negated: bool, turned: bool, backward: bool, whole_turns: int) -> Shape:
-    """The image of a shape: beta becomes -beta, then pi - beta, the rod is run through from its far end, and beta has
-    some whole turns more."""
-    y, span, way = shape.y, float(shape.t[-1]), -1 if backward else 1
-    across, along = (
-        -1 if negated else 1,
-        -1 if turned else 1,
-    )  # the signs of azimuth and lam, of height and phi
-    t = span - shape.t[::-1] if backward else shape.t
-    beta = across * y[::way, BETA]
+def mirror_image(shape: Shape, mirror: Mirror) -> Shape:
+    """The image of a shape."""
+    y, way, sense = shape.y, -1 if mirror.backward else 1, mirror.direction
+    # the signs of azimuth and lam, and of height and phi
+    across, along = (-1 if changed else 1 for changed in (mirror.negated, mirror.turned))
+    t = shape.t[-1] - shape.t[::-1] if mirror.backward else shape.t
     image = np.empty_like(y)
-    image[:, BETA] = (np.pi - beta if turned else beta) + TAU * whole_turns
-    image[:, SPEED] = across * along * way * y[::way, SPEED]
-    image[:, MU], image[:, PHI] = across * along * y[::way, MU], along * y[::way, PHI]
+    image[:, BETA] = mirror.angle(y[::way, BETA])
+    image[:, SPEED] = sense * way * y[::way, SPEED]
+    image[:, MU], image[:, PHI] = sense * y[::way, MU], along * y[::way, PHI]
     image[:, Q] = across * (y[::way, Q] + y[::way, MU]) - image[:, MU]
 
     def gain(values: Array, sign: int) -> Array:
@@ -197,8 +192,8 @@ def mirror_image(shape: Shape, negated: bool, turned: bool, backward: bool, whol
     twist = shape.rod.numbers[0] * y[0, MU]
     image[:, ALPHA] = gain(y[:, ALPHA], across)
     image[:, SHORT] = t - gain(shape.t - y[:, SHORT], along)
-    swirl = gain(twist * shape.t - y[:, ROUND] + y[:, ALPHA], across * along)
-    image[:, ROUND] = across * along * twist * t - swirl + image[:, ALPHA]
+    swirl = gain(twist * shape.t - y[:, ROUND] + y[:, ALPHA], sense)
+    image[:, ROUND] = sense * twist * t - swirl + image[:, ALPHA]
     return replace(shape, t=t, y=image)
 
 

@@ -91,9 +91,8 @@ def from_taut_rod(rod: LoadedRod) -> GrowthWay:
     if first is None:
         return GrowthWay(None)
     turned = grow(lambda x: rod.with_azimuth(gained + (goal - gained) * x), first)
-    return replace(
-        turned, jumped=way.jumped + turned.jumped, begun=f"{TAUT}, whose far end is free to go round at first"
-    )
+    begun = f"{TAUT}, whose far end is free to go round at first"
+    return replace(turned, jumped=way.jumped + turned.jumped, begun=begun)
 
 
 def from_neighbours(rod: LoadedRod, way: GrowthWay) -> GrowthWay:
@@ -132,11 +131,9 @@ def from_tension(rod: LoadedRod) -> GrowthWay:
 def from_no_weight(rod: LoadedRod) -> GrowthWay:
     """The shape of a rod whose weight grows at last."""
     light = branch_from_straight(rod.with_weight(0.0)) if rod.along or rod.across else GrowthWay(None)
-    return (
-        GrowthWay(None)
-        if light.shape is None
-        else replace(grow(rod.with_weight, light.shape), begun="the rod without weight")
-    )
+    if light.shape is None:
+        return GrowthWay(None)
+    return replace(grow(rod.with_weight, light.shape), begun="the rod without weight")
 
 
 def branch_from_straight(rod: LoadedRod) -> GrowthWay:

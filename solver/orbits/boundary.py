@@ -138,6 +138,11 @@ class Path:
         return Paths(*(np.array([number]) for number in vars(self).values()))
 
 
+def helix_path(angle: float) -> Path:
+    """The rod that is a helix of an angle from end to end."""
+    return Path(angle, 1.0, -np.inf, 0, 0, True)
+
+
 def path_of(paths: Paths, i: int) -> Path:
     """Equilibrium i of a search."""
     return Path(*(column[i].item() for column in vars(paths).values()))
@@ -213,7 +218,7 @@ class Boundary:
     @property
     def helix(self) -> "Path | None":
         """The rod that is a helix from end to end, where there is one."""
-        return None if self.helix_angle is None else Path(self.helix_angle, 1.0, -np.inf, 0, 0, True)
+        return None if self.helix_angle is None else helix_path(self.helix_angle)
 
     def fall(self, pin: float, beta: float) -> float:
         """G(pin) - G(beta)."""

@@ -23,6 +23,7 @@ from .boundary import (
     TransitTimes,
     Ways,
     boundary_of,
+    helix_path,
     length_roots,
     transit_times,
 )
@@ -261,14 +262,12 @@ def roots_on(boundary: Boundary, grid: LevelGrid, ways: Ways) -> _Roots:
 def paths_of(boundary: Boundary, roots: _Roots, helix: float | None) -> tuple[Paths, Array]:
     """The path of each root, and whether its length grows with the level; last, with NaN, that helix."""
     levels, ways = roots.levels, roots.ways
-    columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
-    columns += [ways.leaving, ways.turns, np.zeros(levels.y.size, dtype=bool)]
+    bent = np.zeros(levels.y.size, dtype=bool)
+    paths = Paths(boundary.pins[levels.pin], levels.sign, levels.y, ways.leaving, ways.turns, bent)
     lengthens = roots.lengthens.astype(float)
-    if helix is not None:
-        mark = (helix, 1.0, -np.inf, 0, 0, True)
-        columns = [np.append(c, np.asarray(v, dtype=c.dtype)) for c, v in zip(columns, mark, strict=True)]
-        lengthens = np.append(lengthens, np.nan)
-    return Paths(*columns), lengthens
+    if helix is None:
+        return paths, lengthens
+    return Paths.join([paths, helix_path(helix).alone]), np.append(lengthens, np.nan)
 
 
 def _end_rounding(orbit: Orbit) -> Array:

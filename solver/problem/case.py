@@ -482,9 +482,8 @@ class Case:
             )
         words = "at least R + a" if self.outward > 0 else "at most R - a"
         for name, radius in zip(OFF_WALL[:2], self.end_radii, strict=True):
-            bad = (
-                self.outward * (radius - rho) < -NEGLIGIBLE * rho
-            )  # of rho: an end that is nearer to the wall lies on it
+            # of rho: an end that is nearer to the wall lies on it
+            bad = self.outward * (radius - rho) < -NEGLIGIBLE * rho
             refuse("Ends", name, radius, bad, f"{words} = {_least(rho, bad)}")
         if given.MZ is not None:
             idle = np.not_equal(given.MZ, 0) & np.equal(self.end_radii[1], 0)

@@ -53,11 +53,8 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float, rounding: 
         elif error[i] > SHAPELESS:
             outcome[i] = f"failed: rounding may change the far angle by {error[i]:.1e} rad after so many bends or turns"
         else:
-            why = (
-                f"a small change of the case grows {condition[i]:.1e} times along the rod"
-                if grown[i]
-                else "rounding may change the far angle by so much after so many bends or turns"
-            )
+            why = "rounding may change the far angle by so much after so many bends or turns"
+            why = f"a small change of the case grows {condition[i]:.1e} times along the rod" if grown[i] else why
             outcome[i] = fewer_digits(tol, f"{error[i]:.1e}", why)
     return Verdicts(finite & kept & (error <= max(tol, SHAPELESS)), outcome)
 

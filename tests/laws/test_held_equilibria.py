@@ -8,10 +8,10 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.branches.deflation import is_known
-from solver.branches.given_numbers import Given, OrbitState
+from solver.branches.given_numbers import Given, Mirror, OrbitState
 from solver.branches.orbit_rates import NUMBERS, orbit_rates
 from solver.equilibria_result import HeldEquilibria
-from solver.held.held_search import Mirror, image_of, mirrors_of, search_equilibria
+from solver.held.held_search import image_of, mirrors_of, search_equilibria
 from solver.numerics.arrays import Array
 from solver.observe.observables import observe
 from solver.orbits.boundary import path_of
