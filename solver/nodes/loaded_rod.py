@@ -116,15 +116,17 @@ class LoadedRod:
         """The rod with some of its numbers, and of those of its far end, by their places, multiplied by a factor."""
         new = self.numbers.copy(), self.far.copy()
         for values, places in zip(new, (numbers, far), strict=True):
-            values[list(places)] *= factor
+            for place in places:
+                values[place] *= factor
         return replace(self, numbers=new[0], far=new[1])
 
     def share(self, part: float) -> "LoadedRod":
         """The rod under a share of its loads and held numbers; the weight across stays whole."""
-        far = self.far * part
+        numbers, far = self.numbers.copy(), self.far * part
+        numbers[1] *= part
         if "height" in self.held:
             far[2] = self.span + (self.far[2] - self.span) * part
-        return replace(self.times(part, [1]), near=self.near * part, far=far)
+        return replace(self, numbers=numbers, near=self.near * part, far=far)
 
     def _with_far(self, place: int, value: float, held: frozenset[str]) -> "LoadedRod":
         """The rod with another number of its far end, and what its ends then hold."""
