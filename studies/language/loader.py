@@ -119,9 +119,9 @@ def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Stu
     text = str(study)
     path = Path(text)
     if path.suffix.lower() != ".toml":
-        if path.suffix == ".h5":
-            reads = "the commands check, summary, plot, scene and export read it"
-            raise InputError(f"no study {text!r}: a file .h5 holds stored results, and {reads}; give a .toml file")
+        if path.is_file() or path.suffix == ".h5":
+            reads = "stored results are read by the commands check, summary, plot, scene and export"
+            raise InputError(f"no study {text!r}: its name does not end in .toml; {reads}")
         if text not in names():
             known = f"choose from {choices(names())}, or give a .toml file"
             if path.is_dir():

@@ -47,7 +47,7 @@ LOADS = ("FZ", "MZ", "M3")
 @presents(
     plot="Picture of the rod, .png, .pdf or .svg.",
     out="The solved case as an .h5 file, which plot, scene, export and explore read, or as a .toml study of it.",
-    suffixes=(".h5", ".toml"),
+    suffixes=(*atomic.STORED, ".toml"),
     case=tuple(ALL_FIELDS),
 )
 def solve(
@@ -112,7 +112,7 @@ def solve(
     chosen = fidelity(level or "standard")
     if at and file is None:
         raise InputError("--at takes a case of a study or of a stored file: give also its FILE")
-    if file is not None and (at or file.suffix.lower() == ".h5"):
+    if file is not None and (at or file.suffix.lower() in atomic.STORED):
         check_alone(file, given.units, table1)
         base = case_of_file.case_in(file, pairs("--at", at), given.values)
     else:

@@ -10,7 +10,7 @@ from pathlib import Path
 from solver.problem.errors import InputError, choices
 
 PARTS = ".parts"  # ends the name of the folder in which a run keeps finished cases
-STORED = (".h5", ".nc")  # what the names of stored studies end in
+STORED = (".h5", ".hdf5", ".nc")  # what the names of stored studies end in
 
 
 class Undone(InputError):
