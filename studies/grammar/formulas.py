@@ -245,10 +245,10 @@ def _faults(node: ast.expr, parts: list[Any], values: Mapping[str, Any]) -> Iter
         case ast.Call(func=ast.Name(id="log")):
             yield parts[0] <= 0, f"log of a number that is not positive in {ast.unparse(node)!r}"
         case ast.BinOp(op=ast.Div(), right=right):
-            yield parts[1] == 0, f"division by zero: {ast.unparse(right)!r} is 0"
+            yield parts[1] == 0, f"it divides by {ast.unparse(right)!r}, which is 0"
         case ast.BinOp(op=ast.Pow(), left=left):
             a, b = parts
-            yield (a == 0) & (b < 0), f"division by zero: {ast.unparse(left)!r} is 0"
+            yield (a == 0) & (b < 0), f"it divides by {ast.unparse(left)!r}, which is 0"
             yield (a < 0) & (b != np.round(b)), f"power of a negative number in {ast.unparse(node)!r}"
 
 

@@ -164,7 +164,7 @@ def values_of(
         numbers, reasons = evaluate(formula, known)
         values, why = np.broadcast_to(numbers, sol.case.size), np.broadcast_to(reasons, sol.case.size)
         sentences = [reason for reason in dict.fromkeys(why.tolist()) if reason]
-        missing += [(f"{name} has no value: {reason}", why == reason) for reason in sentences]
+        missing += [(f"{name} is not defined: {reason}", why == reason) for reason in sentences]
         size = size_of(formula.unit, study.unit_system)[0] if formula.unit else 1.0
         if not formula.whole:
             computed[f"{name}_error"] = _error(formula, known, values) / size

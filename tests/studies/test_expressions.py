@@ -112,7 +112,7 @@ def test_an_expression_without_a_value_is_remarked_and_its_neighbours_have_their
     sol = solve(one.case(), stations=11)
     found, ((why, where),) = values_of(one, sol, {"E": np.array([1e4, 2e4, 1e4, 2e4]), "F3": np.ones(4)})
     assert np.isnan(found["share"]).tolist() == [True, False, True, False]
-    assert why == "share has no value: division by zero: 'E - 10000.0 * N / cm ** 2' is 0"
+    assert why == "share is not defined: it divides by 'E - 10000.0 * N / cm ** 2', which is 0"
     assert where.tolist() == [True, False, True, False]
 
 

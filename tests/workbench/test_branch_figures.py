@@ -126,9 +126,20 @@ def test_each_branch_with_room_has_one_number(dead) -> None:
     for most in (8, 1):  # shapes
         kept = list(range(most))
         ax = Figure(figsize=(7, 4)).add_subplot()
-        bifurcation.panel(stored, ax, "height", 3.0, chosen=kept, others=True)
+        said = bifurcation.panel(stored, ax, "height", 3.0, chosen=kept, others=True)[1]
         found = sorted(int(k) for text in ax.texts for k in numbers_in(text.get_text()))
         assert found == [row["branch"] + 1 for row in stored.data("branches")]
+        assert said == []
+
+
+def test_a_diagram_says_how_many_branches_have_no_number(dead) -> None:
+    stored, ax = StoredStudy(dead), Figure(figsize=(7, 0.6)).add_subplot()
+    (said,) = bifurcation.panel(stored, ax, "height", 0.15, chosen=bifurcation.stable_shapes(stored)[:1], others=True)[
+        1
+    ]
+    found, count = {k for text in ax.texts for k in numbers_in(text.get_text())}, len(stored.data("branches"))
+    assert 0 < len(found) < count
+    assert said == f"{count - len(found)} of the {count} branches have no number, for which there is no room."
 
 
 def test_the_number_of_a_line_stands_on_it_where_it_covers_nothing_else() -> None:
@@ -137,7 +148,7 @@ def test_the_number_of_a_line_stands_on_it_where_it_covers_nothing_else() -> Non
     ax.set(xlim=(0, 6), ylim=(0, 3))  # inches
     rows = {"1": (0.5, 5.5, 1.0), "2": (0.5, 5.5, 1.04), "3": (0.5, 5.5, 2.0), "4": (1.0, 1.2, 2.5)}
     on = [([name], np.array([[left, high], [right, high]])) for name, (left, right, high) in rows.items()]
-    assert point_numbers.write(ax, [NumberedPoint(3.0, 2.0, "9")], [], [], (6.0, 3.0), on) == [0]
+    assert point_numbers.write(ax, [NumberedPoint(3.0, 2.0, "9")], [], [], (6.0, 3.0), on) == ([0], {"3", "9"})
     (beside, number) = ax.texts  # 1 and 2 would cover each other, 4 is too short
     assert (beside.get_text(), number.get_text(), number.get_position()[1]) == ("9", "3", 2.0)
     fig.draw_without_rendering()

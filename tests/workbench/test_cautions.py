@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
 from solver.observe.cautions import largest_strain
 from tests.workbench import small
 from workbench.run import dataset_assembly
 from workbench.run.block import columns
+from workbench.stored.stored_study import StoredStudy
 from workbench.words import caution_words, pipe_profile, pipe_words
 
 STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
@@ -163,3 +165,37 @@ def test_no_real_rod_could_keep_an_unstable_shape_where_the_picture_counts_those
         caution_words.restable(texts, [True] * 4, [True, False, False, False]) == "no real rod could keep these shapes"
     )
     assert caution_words.restable([""] * 4, [True] * 4, stable) == ""  # the index of each says it
+
+
+@pytest.mark.parametrize(
+    ("texts", "said"),
+    [
+        (["E"], "a real rod could keep this shape except next to its ends"),
+        (["S, E"], "a real rod could keep this shape except next to its ends, if its material stays linear"),
+        (["S", "S"], "real rods could keep these shapes if their material stays linear"),
+        (["E, S", "S"], "real rods could keep these shapes, one of them except next to their ends, if their material "
+            "stays linear"),
+        (["S", "", "overlaps"], "real rods could keep two of the three shapes, one of them if their material stays "
+            "linear"),
+        (["S, overlaps", ""], "real rods could keep one of the two shapes"),
+    ],
+)  # fmt: skip
+def test_of_the_shapes_that_real_rods_could_keep_the_strained_ones_are_told(texts: list[str], said: str) -> None:
+    full = {"S": "strained (1 %; linear to 0.25 %)", "E": "pulled at the ends (no push on 3 % of the length)"}
+    cautions = [", ".join(full.get(part, part) for part in text.split(", ")) for text in texts]
+    assert caution_words.restable(cautions, [True] * len(texts)) == said
+
+
+@pytest.mark.parametrize(
+    ("barred", "said"),
+    [([3], "three of the four shapes (E ≤ 3 N/cm²)"), ([0], "three of the four shapes (E ≥ 2 N/cm²)"),
+     ([0, 3], "two of the four shapes (2 N/cm² ≤ E ≤ 3 N/cm²)"), ([0, 2, 3], "one of the four shapes (E = 2 N/cm²)"),
+     ([1], "three of the four shapes")],
+)  # fmt: skip
+def test_the_values_at_which_real_rods_could_keep_their_shapes_are_told_where_they_are_one_range(
+    barred: list[int], said: str
+) -> None:
+    axis = "E", [4.0, 3.0, 2.0, 1.0], {"units": "N/cm^2"}  # as the study gives them: falling
+    texts = ["overlaps" if k in barred else "" for k in (3, 2, 1, 0)]
+    ds = xr.Dataset({"outcome": ("E", ["solved"] * 4), "caution": ("E", texts)}, {"E": axis})
+    assert StoredStudy(ds).restable == f"real rods could keep {said}"

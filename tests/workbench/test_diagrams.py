@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from solver.orbits.potential import Loads, potential
 from solver.problem.errors import InputError
@@ -38,7 +39,7 @@ from workbench.figures import (
     unrolled,
     waves,
 )
-from workbench.figures.sheet import Sheet
+from workbench.figures.sheet import Sheet, sheet
 from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 from workbench.words import labels
@@ -192,6 +193,17 @@ def test_flat_views_at_the_end_of_one_row_stand_one_below_the_other_and_the_key_
     assert (np.diff(places[2:, 1]) > 0).all()
     assert (places[:3, 1] == 0).all()
     assert (places[2:, 1] + places[2:, 3]).max() <= places[0, 3] + 1e-9
+
+
+def test_the_key_of_one_row_covers_no_view() -> None:
+    for boxes in np.random.default_rng(1).uniform(0.3, 3.0, (200, 4, 2)):
+        boxes[-1] = 0.0  # the key
+        words = np.array([*[[0.3, 0.15]] * 3, [0.9, 0.6]])
+        places = arrangement.flow(boxes, words, (2.9, 2.4), 1, even=False, least=1e-3).places
+        left, top, wide, high = places.T
+        beside = (left[:-1] + wide[:-1] <= left[-1] + 1e-9) | (left[-1] + wide[-1] <= left[:-1] + 1e-9)
+        above = (top[:-1] + high[:-1] <= top[-1] + 1e-9) | (top[-1] + high[-1] <= top[:-1] + 1e-9)
+        assert (beside | above).all()
 
 
 def test_a_label_is_in_words_where_two_lines_have_room_for_them_and_no_line_ends_within_its_symbol() -> None:
@@ -489,3 +501,40 @@ def test_helices_of_many_turns_are_drawn_among_lines() -> None:
     drawn = figure_kinds.figure(StoredStudy(small.study_dataset("pipe_lubinski")), "lines", column)
     assert any(ax.get_label() == unrolled.VIEWS for ax in drawn.axes)
     assert not any(study_figure.BEND_LESS in sentence for sentence in canvas.caption(drawn))
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), [("capstan", "map"), ("capstan", "bars"), ("capstan", "lines"), ("pipe_vertical", "lines")]
+)
+def test_each_observable_is_drawn_or_named_in_the_caption(name: str, kind: str) -> None:
+    stored = StoredStudy(small.study_dataset(name))
+    fig = figure_kinds.figure(stored, kind, sheet("paper", 89, titled=False))
+    (left_out,) = (text for text in canvas.caption(fig) if text.startswith(canvas.NOT_DRAWN))
+    judged = {law.observable for law in stored.laws}
+    drawn = " ".join(" ".join(text.get_text().split()) for text in fig.findobj(Text)).lower()
+    for observable in stored.observables:
+        noun = labels.long_name(stored[observable]).lower()
+        if stored.is_level(observable):  # it is written, if not by a law
+            assert noun in " ".join(canvas.caption(fig)).lower() or observable in judged
+        else:
+            assert observable in left_out or noun in drawn, observable
+
+
+def test_what_is_the_same_along_all_rods_is_written_and_not_drawn() -> None:
+    stored = StoredStudy(small.study_dataset("capstan"))
+    for kind, whose, panels in (("ridge", "all rods", 1), ("rod", "the rod", 2)):
+        fig = figure_kinds.figure(stored, kind)
+        assert f"Angle β to the axis: 90° along {whose}." in canvas.caption(fig)
+        assert len(fig.axes) == panels
+    fig = figure_kinds.figure(stored, "ridge", show=["beta", "kappa"])
+    assert len(fig.axes) == 2  # as it was asked for
+    assert not any(" along all rods" in text for text in canvas.caption(fig))
+
+
+@pytest.mark.parametrize(("name", "bends"), [("pipe_vertical", True), ("pole_greenhill", False)])
+@pytest.mark.parametrize("kind", ["states", "pipe"])
+def test_slight_bends_are_told_where_a_straight_pipe_has_some(name: str, bends: bool, kind: str) -> None:
+    fig = figure_kinds.figure(StoredStudy(small.study_dataset(name)), kind)
+    (legend,) = fig.legends
+    assert ("straight but for slight bends" in {text.get_text() for text in legend.get_texts()}) == bends
+    assert any("bend is slight" in text for text in canvas.caption(fig)) == bends

@@ -68,7 +68,7 @@ def test_a_case_where_an_expression_divides_by_zero_says_so_and_its_neighbours_a
     assert np.isnan(ds["room"].values[bad]).all()
     assert np.isfinite(ds["room"].values[~bad]).all()
     told = ds["outcome"].values
-    assert set(told[bad].ravel()) == {"solved; room has no value: division by zero: 'R - 0.75 * cm' is 0"}
+    assert set(told[bad].ravel()) == {"solved; room is not defined: it divides by 'R - 0.75 * cm', which is 0"}
     assert set(told[~bad].ravel()) == {"solved"}
     assert ds["solved"].all()
     assert np.isfinite(ds["share"]).all()

@@ -31,6 +31,7 @@ from workbench.paper.sources import ReportedStudy
 from workbench.run import in_memory, writing
 from workbench.stored import reading, stored_verdicts
 from workbench.stored.stored_study import StoredStudy
+from workbench.words import labels
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
 # pixels of the height of each panel's rods, of 1440 of width, and of its drawing, of 700
@@ -260,7 +261,9 @@ def test_below_a_diagram_stands_its_caption(results, tmp_path) -> None:
         pictures, caption = reproduce._draw(result.stored, tmp_path, able=False)
         assert any("seen from outside" in sentence for sentence in caption)
         text = Page(report_document.html([replace(result, pictures=pictures, caption=caption)])).text
-        assert " ".join(caption) in text
+        caution = labels.typeset(result.stored.caution)  # it has a paragraph of its own
+        assert " ".join(sentence for sentence in caption if sentence != caution) in text
+        assert text.count(caution) == 1
 
 
 def test_what_a_study_says_is_text_and_not_markup(results) -> None:

@@ -92,9 +92,12 @@ def figure(
     rods = drawn_rods.choose(stored, [*arrays], x, at, MOST if names == [PIPE] else None)
     no_states = [f"No states: {NO_STATES}."] * (PIPE in names and not stored.loads_vary)
     notes = [*rods.said(), *rods.notes, *no_states]
-    notes += [pipe_map.SLIGHT_BENDS] * (rods.source.loads_vary and not {STATES, PIPE}.isdisjoint(names))
+    notes += [pipe_map.SLIGHT_BENDS] * (not {STATES, PIPE}.isdisjoint(names) and bool(pipe_map.words(rods)))
     if names == [PIPE] and len(rods.rods) >= pipe_map.LEAST:
         return pipe_map.figure(rods, sheet, notes)
+    if not (show or sheet.panel):
+        names, level = without_level(rods, names)
+        notes += level
     longest = max(float(rod["s"][-1]) for rod in rods.solved)
     inches = max(sheet.width / (1 if sheet.narrow else len(names)) - fonts.BESIDE, 0.5) / longest
     curves = [_curves(rods, name, inches) for name in names]
@@ -118,6 +121,27 @@ def figure(
 
 
 states, pipe = partial(figure, show=(STATES,)), partial(figure, show=(PIPE,))
+
+
+def without_level(rods: DrawnRods, names: Sequence[str], alone: bool = True) -> tuple[list[str], list[str]]:
+    """The quantities that are not the same all along all rods, and a sentence on each other one. alone: whether nothing
+    else is drawn: then all are, where each is the same."""
+    level = {name: text for name in names if name not in ARRAYS and (text := _level(rods, name))}
+    if alone and len(level) == len(names):
+        return [*names], []
+    return [name for name in names if name not in level], [*level.values()]
+
+
+def _level(rods: DrawnRods, name: str) -> str:
+    """The sentence on a quantity that is the same all along all rods but for rounding; else nothing."""
+    values = np.concatenate([rod[name] for rod in rods.solved])
+    low, high = float(values.min()), float(values.max())
+    if high - low > NOISE * max(abs(low), abs(high)):
+        return ""
+    symbol, unit, change = _words(rods.source, name)
+    value = labels.powers_of_ten(labels.number(float(change((low + high) / 2)) + 0.0))  # no −0
+    whose = "the rod" if len(rods.rods) == 1 else "all rods"
+    return labels.sentence(f"{TITLES.get(name, symbol)}: {value}{unit} along {whose}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,6 +286,7 @@ def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
 def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
     """Draw the curves of all rods, each at its offset; returns what is to be said of them."""
     count, step, foot = len(curves.values), curves.step, curves.foot
+    states = pipe_map.words(rods) if curves.name in ARRAYS else {}
     shades = colours.ramp_colours(count)
     shown = [values for values in curves.values if values is not None] if curves.name == "push" else []
     shown = [push_scale.away_from_ends(rod["push"]) for rod in rods.solved] if curves.name == PIPE else shown
@@ -309,7 +334,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
         for state in pipe_map.states_of(rods, rod):
             look = {
                 "color": colours.STATES[state.word],
-                "label": pipe_map.WORDS.get(state.word, state.word),
+                "label": states.get(state.word, state.word),
                 "gid": f"{rod.name}, {state.word}",
             }
             if curves.name == STATES:

@@ -71,6 +71,7 @@ def of_cases(
         raise InputError("no bars: the dataset has no observables")
     notes = [f"All bars: {stored.equations(held)}."] if held else []
     notes += labels.definitions(stored.expressions, names)
+    notes += line.level_notes(name for name in stored.observables if name not in [*names, *left_out] and not show)
     notes += canvas.say_left_out(left_out, "--show or --panel")
     first, *others = labels.distinct(stored[axis], stored[axis].values[[case[axis] for case in cases]])
     rows = [f"{labels.axis_symbol(axis)} = {first}", *(text.partition(" ")[0] for text in others)]

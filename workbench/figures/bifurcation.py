@@ -86,16 +86,16 @@ def _page_with_numbers(stored: StoredStudy, shown: str, sheet: Sheet, inches: fl
     high, laws, alike = HIGH[sheet.narrow] * sheet.width, _laws(stored), _alike(_on_one_line(stored, shown))
     with rc_context(fonts.RC | sheet.settings()):  # which shapes have room for their numbers
         ax = Figure((sheet.width, high + MORE)).add_subplot()
-        numbered = panel(stored, ax, shown, inches, sheet, _in_order(stored))
+        numbered, _ = panel(stored, ax, shown, inches, sheet, _in_order(stored))
     chosen = _large_enough(stored, _different(stored, numbered)[: MOST[sheet.narrow]], sheet)
 
     def draw(most: int) -> Figure:
         kept = sorted(chosen[: most - 1])
 
         def diagram(ax: Axes) -> canvas.Said:
-            panel(stored, ax, shown, inches, sheet, kept, others=True)
+            said = panel(stored, ax, shown, inches, sheet, kept, others=True)[1]
             canvas.add_legend(ax, MOST_INSIDE)
-            return laws
+            return [*laws, *said]
 
         rows: list[canvas.Row] = [(high, [diagram])]
         if kept:
@@ -116,11 +116,12 @@ def panel(
     sheet: Sheet = SCREEN,
     chosen: Sequence[int] = (),
     others: bool = False,
-) -> list[int]:
+) -> tuple[list[int], list[str]]:
     """One quantity of each equilibrium against the axis, a line a branch; inches: the height of the panel. others:
     whether the branches of no chosen shape have their numbers on their lines.
 
-    Returns those of the chosen shapes whose points are on the panel with their numbers, in the order given.
+    Returns those of the chosen shapes whose points are on the panel with their numbers, in the order given, and the
+    sentence that says how many branches have no number, if any.
     """
     name = str(stored.attrs["axis"])
     drawn: list[tuple[str, Any]] = []
@@ -362,10 +363,10 @@ def names_of_shapes(stored: StoredStudy) -> list[str]:
 
 def _number_points(
     stored: StoredStudy, ax: Axes, key: str, inches: tuple[float, float], chosen: Sequence[int], others: bool
-) -> list[int]:
+) -> tuple[list[int], list[str]]:
     """A dot with its number at the points of these shapes, where the axis reaches them, and the number of an unstable
-    one covers nothing; returns which. Where a dot would cover a mark or another dot, a line leads from the number to
-    the point. others: as of `panel`."""
+    one covers nothing. Where a dot would cover a mark or another dot, a line leads from the number to the point.
+    others, and what it returns: as of `panel`."""
     name, names = str(stored.attrs["axis"]), names_of_shapes(stored)
     x, y = (_values(stored, f"shape_{of}") if f"shape_{of}" in stored else np.empty(0) for of in (name, key))
     (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
@@ -386,7 +387,8 @@ def _number_points(
         for group in (_on_one_line(stored, key) if others else ())
         if len(line := _longest_part(stored, key, group[0]))
     ]
-    written = [inside[i] for i in sorted(point_numbers.write(ax, points, lines, dots, inches, on))]
+    at, said = point_numbers.write(ax, points, lines, dots, inches, on)
+    written = [inside[i] for i in sorted(at)]
     for k in written:
         if k in bare:
             continue
@@ -395,7 +397,11 @@ def _number_points(
         ax.plot(
             x[k], y[k], "o", color=colour, markersize=4.2, zorder=order, markeredgecolor="white", markeredgewidth=0.7
         )
-    return written
+    every, _ = _curves(stored, key)
+    within = ((every >= (left, low)) & (every <= (right, high))).all(axis=1)
+    seen = {f"{number + 1}" for number in stored["curve_branch"].values[within].tolist()}
+    sentence = f"{len(seen - said)} of the {len(seen)} branches have no number, for which there is no room."
+    return written, [sentence] * (len(seen) > 1 and not seen <= said)
 
 
 def _longest_part(stored: StoredStudy, key: str, number: int) -> NDArray[np.float64]:

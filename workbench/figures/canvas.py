@@ -113,7 +113,7 @@ def page(
         what it labels. A panel with a legend of its own adds nothing to that of the figure.
     said
         What is said after that of the panels. How many of the shapes a real rod could keep is said before it, below
-        the title, once.
+        the title, once, and what is against the others in the caption.
     more
         Inches of the figure beside the rows.
     width
@@ -124,10 +124,11 @@ def page(
         What is said in place of how many of the shapes a real rod could keep.
     """
 
-    rest = _with_capital(stored.restable if rest is None and stored is not None else rest or "")
+    rest = labels.capital(stored.restable if rest is None and stored is not None else rest or "")
+    why = [labels.typeset(stored.caution)] if stored is not None and stored.caution else []
 
     def draw(fig: Figure) -> None:
-        below: list[Any] = [f"{rest}."] if rest and not sheet.titled else []
+        below: list[Any] = [*[f"{rest}."] * bool(rest and not sheet.titled), *why]
         groups = [list(group) for _, group in groupby(rows, lambda row: len(row[1]))]
         heights = [sum(tall for tall, _ in group) for group in groups]
         outer = GridSpec(len(groups), 1, fig, height_ratios=heights)
@@ -266,14 +267,9 @@ def title_height(stored: StoredStudy, sheet: Sheet) -> float:
     """Inches of the title of a `page` of a study with what is written below it; 0 on a sheet without one."""
     if not sheet.titled:
         return 0.0
+    below = _below_title(stored, labels.capital(stored.restable))
     with rc_context(RC | sheet.settings()):
-        return write_title(
-            Figure((sheet.width, 1.0)), str(stored.attrs["title"]), _below_title(stored, _with_capital(stored.restable))
-        )
-
-
-def _with_capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
+        return write_title(Figure((sheet.width, 1.0)), str(stored.attrs["title"]), below)
 
 
 def _below_title(stored: StoredStudy | None, rest: str) -> str:

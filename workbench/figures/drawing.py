@@ -81,7 +81,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     unit = partial(value_with_unit, units=chosen.units)
     free = chosen.at() if chosen.leaves else None
     radii = {k: float(free.radius[k]) for k in (0, -1)} if free else {}
-    distances = {k: unit("L", radius) for k, radius in radii.items() if abs(radius - rod.rho) > OFF * rod.a}
+    distances = {k: unit("L", radius) for k, radius in radii.items() if radius - rod.rho > OFF * rod.a}
 
     def views(of: Sheet) -> tuple[Views, list[str]]:
         """The views on a sheet, and the words for what has no room on it."""
@@ -176,7 +176,7 @@ def _words(
     if free:
         said.append("Beside it the end view, along the axis from s = 0.")
     texts = [chosen.restable, *(free_rod_words.sentences(free, chosen.units) if free else ())]
-    said += [labels.sentence(text) for text in texts if text and text not in parts]
+    said += [labels.sentence(text) for text in [*texts, labels.typeset(chosen.caution)] if text and text not in parts]
     said += ["The rod is thinner than its line."] if 2 * rod.a * view.mm < HAIR else []
     return line, [*said, *([] if view.whole else ["A part of the rod is drawn, from s = 0."])]
 

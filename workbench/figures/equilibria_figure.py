@@ -55,7 +55,8 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
         (panel.height, [lambda ax: [*_entries(stored["index"].values), *panel.draw(ax, shown)]]),
         (high, [lambda ax: against_index(stored, ax, name, high)]),
     ]
-    return canvas.page(stored, sheet, rows, more=0.45)
+    counted = bool(stored.restable) and bool((stored["index"].values > 0).any())
+    return canvas.page(stored, sheet, rows, ["A real rod keeps no unstable shape."] * counted, more=0.45)
 
 
 def one_shown(names: Sequence[str]) -> Sequence[str]:

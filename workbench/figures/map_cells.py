@@ -54,8 +54,7 @@ class Cells:
 
     stored: the cases there. solved: of each cell. straight: whether beta varies by less than `NEARLY_STRAIGHT` along
     its rod. turned: whether its rod turns back against both its ends, and has no colour as laws leave it out.
-    unchecked: of how many cells the rod was not checked for a caution. source: the study with the arrays along the rod,
-    at `place`.
+    source: the study with the arrays along the rod, at `place`.
     """
 
     stored: StoredStudy
@@ -64,7 +63,6 @@ class Cells:
     solved: NDArray[np.bool_]
     straight: NDArray[np.bool_]
     turned: NDArray[np.bool_]
-    unchecked: int
     source: StoredStudy
 
     def place(self, j: int, i: int) -> dict[str, int]:
@@ -189,16 +187,13 @@ def cells(stored: StoredStudy, choice: Choice, where: Mapping[str, int], source:
     """The cells of one column of maps; where: as of `Choice.places`. source: the refined study of a raster."""
     plane = stored.plane(choice.x, choice.y, where)
     solved = plane["solved"].values.astype(bool)
-    unchecked = np.zeros(solved.shape, dtype=bool)
-    for key in caution_words.UNCHECKED if "caution" in plane else ():
-        unchecked |= caution_words.has_key(plane["caution"].values, key)
     turned = np.zeros(solved.shape, dtype=bool)
     if leaves_out_turned(stored):
         turned = solved & caution_words.has_key(plane["caution"].values, caution_words.TURNED)
     scales = scale_of(plane, choice.x), scale_of(plane, choice.y)
     swing = np.exp(plane[SWING].values) if SWING in plane else plane.swings.values
     straight = solved & (swing < NEARLY_STRAIGHT)
-    return Cells(plane, *scales, solved, straight, turned, int(unchecked.sum()), plane if source is None else source)
+    return Cells(plane, *scales, solved, straight, turned, plane if source is None else source)
 
 
 def leaves_out_turned(stored: StoredStudy) -> bool:

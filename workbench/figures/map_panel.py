@@ -141,7 +141,6 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
         for mark, label in marks.items()
         if mark
     ]
-    is_mixed = len(legend) > 1
     legend[0].set_label(f"{legend[0].get_label()}{few}{dense}")
     numbers = [
         (np.isnan(panel.values(name)) & panel.solved & ~panel.turned, panel.unbent(name))
@@ -164,16 +163,14 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
         ),
     ):
         legend += [Patch(label=label, **look)] * bool(occurs)
-    unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
+    cases = sum(panel.solved.size for panel in panels)
     turned = sum(int(panel.turned.sum()) for panel in panels)
     turn = ("turn back against both their ends and have", "turns back against both its ends and has")[turned == 1]
     is_thinned = any(panel.nearly_straight(name).any() for panel in panels for name in shown)
     return [
         *legend,
-        *[caution_words.WHY_BARRED] * is_mixed,
         *[f"{turned} of {cases} rods {turn} no colour."] * bool(turned),
         *["Of nearly straight rods all cases of the coarse grid are shown, and no others."] * is_thinned,
-        *[f"{unchecked} of {cases} rods were not checked for all cautions."] * bool(unchecked),
     ]
 
 

@@ -44,6 +44,11 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     coloured = "contact" in stored
     arrays = {"angle": ["beta"], "push": ["push"], "curve": ["alpha", "z"] + ["push"] * coloured}
     rods = drawn_rods.choose(stored, list(dict.fromkeys(name for panel in names for name in arrays[panel])))
+    level = list[str]()
+    if sheet.panel is None:
+        plotted = [arrays[name][0] for name in names if name != "curve"]
+        varied, level = along_rods.without_level(rods, plotted, alone="curve" not in names)
+        names = [name for name in names if name == "curve" or arrays[name][0] in varied]
     high = unrolled.STRIPS[not sheet.narrow] * sheet.width
     each = canvas.PANEL * max(min(sheet.width / SCREEN.width, 1.0), NARROW)
     if sheet.style == "paper":
@@ -62,4 +67,4 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         over_s = partial(along_rods.alone, rods=rods, name=arrays[name][0])
         rows.append((view.height + unrolled.LABELS, [curve]) if view and name == "curve" else (each, [over_s]))
     held = whole.equations({axis: place[axis] for axis in whole.varied})
-    return canvas.page(stored, sheet, rows, [*[f"The rod: {held}."] * bool(held), *rods.notes])
+    return canvas.page(stored, sheet, rows, [*[f"The rod: {held}."] * bool(held), *level, *rods.notes])

@@ -21,7 +21,7 @@ from .sheet import Sheet
 
 LEAST = 13  # rods: fewer have a curve each
 TALL = 2.6  # inches of a panel
-WORDS = {STRAIGHT: "straight but for slight bends"}  # of a state in a legend, where they are more than its name
+BUT = "but for slight bends"  # of a straight state in a legend
 SLIGHT_BENDS = (
     f"A bend is slight that goes less than {BENT:g} rad around, or that dies away from an end of the rod. A short "
     "slight piece beside a larger bend counts with that."
@@ -33,6 +33,18 @@ def states_of(rods: DrawnRods, rod: DrawnRod) -> Sequence[Any]:
     if not rods.source.loads_vary:
         return ()
     return derived_arrays.states_of(rod.case, *(rod[name] for name in ("s", "beta", "alpha", "push")))
+
+
+def words(rods: DrawnRods) -> dict[str, str]:
+    """What states are called in a legend where that is more than their name: a straight one that has bends, larger than
+    the error of its rod."""
+    for rod in rods.solved:
+        s, size = rod["s"], np.abs(rod["beta"])
+        for state in states_of(rods, rod):
+            of = (s >= state.begin) & (s <= state.end)
+            if state.word == STRAIGHT and size[of].max(initial=0.0) > float(rod.case["error"]):
+                return {STRAIGHT: f"{STRAIGHT} {BUT}"}
+    return {}
 
 
 def figure(rods: DrawnRods, sheet: Sheet, said: Sequence[str]) -> Figure:
@@ -63,6 +75,7 @@ def _values(rods: DrawnRods) -> Any:
 
 
 def _draw_states(rods: DrawnRods, ax: Axes) -> None:
+    names = words(rods)
     for rod, low, high in _rows(rods):
         for state in states_of(rods, rod) if rod.arrays is not None else ():
             ax.broken_barh(
@@ -70,7 +83,7 @@ def _draw_states(rods: DrawnRods, ax: Axes) -> None:
                 (low, high - low),
                 linewidth=0,
                 antialiased=False,  # else a white hair shows between two rows
-                label=WORDS.get(state.word, state.word),
+                label=names.get(state.word, state.word),
                 facecolors=colours.STATES[state.word],
                 gid=f"{rod.name}, {state.word}",
             )

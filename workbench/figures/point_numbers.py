@@ -59,10 +59,11 @@ def write(
     marks: Sequence[Any],
     inches: tuple[float, float],
     on: Sequence[tuple[Sequence[str], Any]] = (),
-) -> list[int]:
+) -> tuple[list[int], set[str]]:
     """Write the numbers of points beside them; points at one place share a text, ``3, 4``, the needed ones if any is.
 
-    Returns the places of the points in their list whose numbers are written.
+    Returns the places of the points in their list whose numbers are written, and all numbers that are written, without
+    letters.
 
     Parameters
     ----------
@@ -110,10 +111,11 @@ def write(
             size = np.array([fonts.width_of(text, fonts.small()), DIGIT * fonts.small() / 72])
             others = np.concatenate([taken[taken[:, 2] > LINE, :2], *paths[:k], *paths[k + 1 :]])
             if (at := _free_place(paths[k], size, others, np.array(inches))) is not None:
+                said |= {*names}
                 taken = np.concatenate([taken, _box(at, size)])
                 ax.annotate(text, low + at / per, ha="center", va="center", size=fonts.small(), color=colours.INK,
                             zorder=20, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3})  # fmt: skip
-    return written
+    return written, said
 
 
 def _free_place(line: Values, size: Values, others: Values, inches: Values) -> Values | None:

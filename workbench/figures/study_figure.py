@@ -135,7 +135,8 @@ def _figure_of(
     said += trends.say_gaps(chosen.panels)
     said += [*map(law_panel.caption_of, chosen.in_words), *chosen.level]
     said += labels.definitions(stored.expressions, _formulas(chosen))
-    said += canvas.say_left_out(chosen.left_out, "--show or --panel")
+    drawn = [str(line.observable.name) for line in chosen.panels]
+    said += canvas.say_left_out([name for name in chosen.shown if name not in drawn], "--show or --panel")
     if not lines:
         why = " ".join(said) or "the dataset has neither observables nor the arrays alpha and z."
         raise InputError(f"nothing to draw: {why} workbench summary prints the numbers, workbench scene draws the rods")
@@ -147,15 +148,15 @@ class _Choice:
     """What a figure shows.
 
     panels: laws, and observables without one. strips: axes with unrolled views. in_words: laws that the caption says
-    and no panel shows. level: sentences about observables that are the same in all cases. left_out: stored observables
-    that nothing of the figure shows.
+    and no panel shows. level: sentences about observables that are the same in all cases. shown: the other observables,
+    of which the caption names those that no panel shows; none where panels were asked for.
     """
 
     panels: Sequence[TrendLine]
     strips: Sequence[str] = ()
     in_words: Sequence[LawLine] = ()
     level: Sequence[str] = ()
-    left_out: Sequence[str] = ()
+    shown: Sequence[str] = ()
 
 
 def _choice(
@@ -180,7 +181,6 @@ def _choice(
         return _Choice([line for name in names for line in on[name] or [stored.trend(name, along)]])
     if sheet.panel is None:
         level = stored.level_notes(name for name in known if name not in on)
-        left_out = [name for name in stored.names_that_vary if name not in on]
         trivial = [law for law in laws if law.is_trivial or any(law.repeats(other) for other in laws)]
         panels: Sequence[TrendLine] = [law for law in laws if law not in trivial]
         if not panels:
@@ -188,7 +188,7 @@ def _choice(
             trivial = [law for law in trivial if law not in panels]
         if not laws:
             panels = [stored.trend(name, along) for name in names]
-        return _Choice(panels, strips, trivial, level, left_out)
+        return _Choice(panels, strips, trivial, level, stored.names_that_vary)
     named = _name(laws)
     every = [*strips, *(law.row["claim"] for law in laws), *named, *known]
     (panel,) = sheet.choose(dict.fromkeys(every))
@@ -216,15 +216,8 @@ def _first_of(chosen: _Choice, most: int, narrow: bool) -> _Choice:
     Laws without a panel are said in the caption.
     """
     most -= narrow and bool(chosen.strips) and most > 2
-    rest = chosen.panels[most:]
-    laws = [law for law in rest if isinstance(law, LawLine)]
-    names = [str(line.observable.name) for line in rest if not isinstance(line, LawLine)]
-    return replace(
-        chosen,
-        panels=chosen.panels[:most],
-        in_words=[*laws, *chosen.in_words],
-        left_out=[*names, *chosen.left_out],
-    )
+    laws = [law for law in chosen.panels[most:] if isinstance(law, LawLine)]
+    return replace(chosen, panels=chosen.panels[:most], in_words=[*laws, *chosen.in_words])
 
 
 def _name(laws: Sequence[LawLine]) -> dict[str, LawLine]:

@@ -421,7 +421,6 @@ class UnrolledPanel:
         return [
             *[crossing_rings.entry(THROUGH + tight + turned + close)] * bool(rings),
             sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
-            *[caution_words.WHY_BARRED] * any(view.barred for view in self.views),
             *self.notes,
             *said[:1],
         ]

@@ -204,6 +204,7 @@ def _section(result: ReportedStudy, figures: Mapping[str, Any]) -> dict[str, Any
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
     laws = [law_of(stored, row) | {"why": mechanism(row["claim"], stored)} for row in stored.verdicts]
     name, title = str(stored.attrs["study_name"]), str(stored.attrs["title"])
+    caution = labels.typeset(str(stored.attrs.get("caution", "")))  # which has a paragraph of its own
     turntable = figures.get(f"turn-{name}")
     pictures = [
         _picture(path, f"{title}: {_of(stored, part)}", SCENE) | _rods(path, part, turntable) for part, path in scenes
@@ -219,12 +220,12 @@ def _section(result: ReportedStudy, figures: Mapping[str, Any]) -> dict[str, Any
         "laws": laws,
         "single": facts_of(stored) if not stored.axes else [],
         "note": sentence(str(stored.attrs.get("fold_note", ""))),
-        "caution": labels.typeset(str(stored.attrs.get("caution", ""))),
+        "caution": caution,
         "unsolved": stored.unsolved,
         "cases": int(stored["outcome"].size),
         "scenes": pictures,
         "others": diagrams,
-        "caption": " ".join(result.caption),
+        "caption": " ".join(text for text in result.caption if text != caution),
     }
 
 

@@ -171,7 +171,24 @@ class StoredCases:
         texts = self.ds["caution"].values
         solved = self.ds["solved"].values if "solved" in self.ds else np.ones(texts.shape)
         stable = self.ds["index"].values == 0 if self.kind is file_kinds.EQUILIBRIA else True
-        return caution_words.restable(texts, solved, stable)
+        return caution_words.restable(texts, solved, stable, self._range_where_kept(texts, solved))
+
+    def _range_where_kept(self, texts: Any, solved: Any) -> str:
+        """The values of the one axis at which a real rod could keep the shape, ``L ≤ 34 m``, where they are one range
+        and no other case is within it; else nothing."""
+        if len(self.varied) != 1 or self.varied[0] not in self.ds.coords or SAMPLE in self.varied:
+            return ""
+        axis, symbol = self.ds[self.varied[0]], labels.axis_symbol(self.varied[0])
+        order = np.argsort(axis.values)
+        barred = [caution_words.is_barred(str(text)) for text in texts.ravel()[order]]
+        kept = np.flatnonzero(solved.ravel()[order].astype(bool) & ~np.array(barred))
+        if not kept.size or kept[-1] - kept[0] >= kept.size:
+            return ""
+        low, high = (labels.value(float(axis.values[order[k]]), axis) for k in (kept[0], kept[-1]))
+        if kept.size == 1:
+            return f"{symbol} = {low}"
+        below, above = f"{low} ≤ " * bool(kept[0] > 0), f" ≤ {high}" * bool(kept[-1] < order.size - 1)
+        return f"{below}{symbol}{above}" if above else f"{symbol} ≥ {low}" * bool(below)
 
     @cached_property
     def left_out(self) -> str:

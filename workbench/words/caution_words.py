@@ -59,7 +59,6 @@ NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", 
 _POSSIBLE = (TURNED, STRAINED, AT_ENDS)  # what a real rod can do
 NONE = "no real rod could keep"  # of all shapes of a file
 BARRED = "a case whose shape no real rod could keep"  # in a legend: the cross of one that `is_barred`
-WHY_BARRED = "No real rod could keep a shape that would lift off away from its ends, or pass through itself."
 _STRAIN = re.compile(r"\((.+?) %; (?:(metals) are )?linear to (.+?) %\)")
 _EXTENT = re.compile(rf"\(((?:{NO_PUSH}|{PULL}) on .+? % of the length)(?: within (?:\S+ to )?(.+) an end)?\)")
 
@@ -185,12 +184,12 @@ def _list(facts: list[str]) -> str:
     return facts[0] if len(facts) == 1 else f"{', '.join(facts[:-1])} and {facts[-1]}"
 
 
-def restable(texts: Any, solved: Any, stable: Any = True) -> str:
-    """How many of the shapes of solved rods a real rod could keep, and how many of these except next to their ends;
-    empty where it could keep all of each.
+def restable(texts: Any, solved: Any, stable: Any = True, which: str = "") -> str:
+    """How many of the shapes of solved rods a real rod could keep, how many of these except next to their ends, and how
+    many if their material stays linear; empty where it could keep all of each, whatever its material.
 
     texts: the caution of each case. solved, stable: whether each is. That shapes are unstable is said elsewhere: where
-    no caution is against one there is nothing to say.
+    no caution is against one there is nothing to say. which: the range of the axis where it could keep them.
 
     Of a rod that was not checked for all that bars it nobody knows: then the number is the largest that it may be.
     """
@@ -199,18 +198,24 @@ def restable(texts: Any, solved: Any, stable: Any = True) -> str:
     stands = np.broadcast_to(stable, known.shape)[known].tolist()
     texts = np.asarray(texts)[known].astype(str).ravel().tolist()
     kept = [text for text, stands in zip(texts, stands, strict=True) if stands and not is_barred(text)]
-    off = sum(AT_ENDS in text for text in kept)
-    if not off and not any(map(is_barred, texts)):
+    off, strained = (sum(key in text for text in kept) for key in (AT_ENDS, STRAINED))
+    if not off and not strained and not any(map(is_barred, texts)):
         return ""
     if not kept:
         return f"{NONE} {'this shape' if cases == 1 else 'these shapes'}"
+    whose = "its" if cases == 1 else "their"
+    clauses = [
+        f"{_number_in_words(number)} of them {words}" if number < len(kept) else words
+        for number, words in ((off, f"except next to {whose} ends"), (strained, f"if {whose} material stays linear"))
+        if number
+    ]
+    but = ", ".join(["", *clauses]).replace(", ", " ", (off or strained) == len(kept))
     if cases == 1:
-        return "a real rod could keep this shape except next to its ends"
+        return f"a real rod could keep this shape{but}"
     unknown = any(UNKNOWN in text for text in kept)
     count = f"{'at most ' * unknown}{_number_in_words(len(kept))} of the {_number_in_words(len(texts))}"
-    ends = f"{f', {_number_in_words(off)} of them' * (off < len(kept))} except next to their ends" * (off > 0)
     shapes = f"{'these' if len(kept) == len(texts) else count}{' solved' * (len(texts) < cases)} shapes"
-    return f"real rods could keep {shapes}{ends}"
+    return f"real rods could keep {shapes}{f' ({which})' * bool(which)}{but}"
 
 
 def _number_in_words(number: int) -> str:

@@ -180,17 +180,18 @@ def quantity_name(words: str) -> str:
 
 
 def sentence(text: str) -> str:
-    """A clause as a sentence: ``S`` of a word, but ``s = 0``; a full stop, but after a question.
+    """A clause as a sentence: ``S`` of a word, but ``s = 0``; a full stop, but after a question or another one.
 
-    >>> sentence("is its unit right?"), sentence("s = 0 is the lower end")
-    ('Is its unit right?', 's = 0 is the lower end.')
+    >>> sentence("is its unit right?"), sentence("s = 0 is the lower end"), sentence("a rod bends.")
+    ('Is its unit right?', 's = 0 is the lower end.', 'A rod bends.')
     """
-    return capital(text) if text.endswith("?") else f"{capital(text)}."
+    return capital(text) if text.endswith(("?", ".")) else f"{capital(text)}."
 
 
 def capital(text: str) -> str:
     """A text with a capital letter at its beginning, but for a letter of physics: ``s = 0``, ``β rises``."""
-    return text if text[1:2] == " " or not text[:1].isascii() else text[:1].upper() + text[1:]
+    is_letter = (text[1:2] == " " and not re.match("a [a-z]", text)) or not text[:1].isascii()
+    return text if is_letter else text[:1].upper() + text[1:]
 
 
 def typeset(text: str) -> str:
