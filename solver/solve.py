@@ -100,6 +100,8 @@ def solve(
     """
     case = check_case("solve", case)
     tol = check_tolerance((FREE_TOLERANCE if case.leaves else DEFAULT_TOLERANCE) if tol is None else tol)
+    if isinstance(seed, Solution) and seed.case.shape not in ((), case.shape):
+        raise InputError(f"the cases of the seed have shape {seed.case.shape}, those to solve {case.shape or '()'}")
     if case.leaves:
         question_of = _question_beside_wall
     elif case.varies:
@@ -146,7 +148,7 @@ def _question_beside_wall(
     name = free_method(method, knobs)
     if check(choose) not in RULES:
         raise InputError(f"choose = {choose!r} needs all equilibria, which are not known with contact='unilateral'")
-    if seed is not None and not (isinstance(seed, Solution) and seed.case.shape in ((), case.shape)):
+    if seed is not None and not isinstance(seed, Solution):
         raise InputError(f"seed of a rod that may leave the cylinder is a Solution, got {type(seed).__name__}")
     if seed is not None:
         curves = ["the seed is not solved" if curve is None else [curve] for curve in curves_of(seed, "the seed")]
@@ -173,9 +175,7 @@ def _question_on_nodes(
     if check(choose) != NEAREST:
         raise InputError(f"choose = {choose!r} needs all equilibria, which are not known with weight or friction")
     straight = isinstance(seed, str) and seed == "straight"
-    is_seed = straight or (
-        isinstance(seed, Solution) and seed.trajectory.shapes is not None and seed.case.shape in ((), case.shape)
-    )
+    is_seed = straight or (isinstance(seed, Solution) and seed.trajectory.shapes is not None)
     if seed is not None and (case.kind == "start" or not is_seed):
         raise InputError(
             "seed of a rod with weight or friction is 'straight', or a Solution between ends of such a rod, got "
@@ -304,8 +304,6 @@ def _equal_steps(stations: int) -> Array:
 def as_seed(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
     """A seed in units of rho, from beta'(0) [rad/length] or from a solution."""
     if isinstance(seed, Solution):
-        if seed.case.shape not in ((), case.shape):
-            raise InputError(f"the cases of the seed have shape {seed.case.shape}, those to solve {case.shape or '()'}")
         trajectory, paths = seed.trajectory, getattr(seed.trajectory.orbit, "paths", None)
         row = np.arange(problem.size) if seed.case.shape else np.zeros(problem.size, dtype=np.int64)
         ends = between_ends(seed).take(row)

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Solution, equilibria, follow, solve
 from solver.equilibria import Equilibrium
 from tests.cases import GENERAL, TABLE_1, ends_in_units_of_rho, rod_of_unit_stiffness
 
@@ -170,6 +170,29 @@ def test_a_grid_takes_a_seed_for_each_case_or_one_for_all() -> None:
     for i, FZ in enumerate(loads):
         alone = solve(replace(case, given=replace(case.given, FZ=FZ)), seed=one.solution)
         np.testing.assert_array_equal(together.beta[i], alone.beta)
+
+
+@pytest.mark.parametrize(
+    ("weight", "contact", "given"),
+    [
+        (None, "bilateral", Ends(beta0=0.2, betaL=0.3, FZ=-5.0)),
+        (None, "bilateral", Ends(beta0=0.2, betaL=0.3, height=5.0)),
+        (0.1, "bilateral", Ends(beta0=0.2, betaL=0.3, FZ=-5.0)),
+        (None, "unilateral", Ends(beta0=0.2, betaL=0.3, height=5.0, azimuth=0.1)),
+    ],
+    ids=["dead loads", "held", "weight", "unilateral"],
+)
+def test_a_seed_of_another_number_of_rods_is_refused_by_its_shape(weight, contact: str, given: Ends) -> None:
+    two, three = (
+        Case(
+            Rod(E=1e4, nu=0.25, a=0.25, L=np.linspace(6.0, 6.1, n), weight=weight),
+            Cylinder(0.75, contact=contact),
+            given,
+        )
+        for n in (2, 3)
+    )
+    with pytest.raises(InputError, match=r"the cases of the seed have shape \(2,\), those to solve \(3,\)"):
+        solve(three, seed=solve(two, stations=5))
 
 
 def random_pairs(count: int, seed: int) -> Iterator[tuple[Case, Case]]:
