@@ -38,7 +38,7 @@ RINGED = 0.5  # of that length its rings cover at most
 MOST_NAMED = 8  # groups of branches on one line
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
-COVERED = 0.08  # inches between a dot and a mark: nearer it would cover a part of the mark
+COVERED = 0.08, 0.07  # inches from a dot to a mark and to another dot: nearer it would cover a part of that
 HIDDEN = 0.03  # of a panel: marks would cover a shorter stable piece
 MORE = 0.45  # inches of the figure beside the diagram and the views
 # an unstable branch of held ends, and stable ones
@@ -377,7 +377,8 @@ def _number_points(
     for i, k in enumerate(inside):
         away = [np.hypot(*(per * (dot - [x[k], y[k]]))) for dot in dots]
         beside = [np.hypot(*(per * [x[k] - x[other], y[k] - y[other]])) for other in inside[:i] if other not in bare]
-        is_near = min(away, default=np.inf) < COVERED or any(point_numbers.SAME <= gap < COVERED for gap in beside)
+        is_near = min(away, default=np.inf) < COVERED[0]
+        is_near |= any(point_numbers.SAME <= gap < COVERED[1] for gap in beside)
         if is_near and _is_stable(stored, k):
             bare.add(k)
     points = [point_numbers.NumberedPoint(x[k], y[k], names[k], _is_stable(stored, k), k in bare) for k in inside]

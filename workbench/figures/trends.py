@@ -19,8 +19,8 @@ UNBENT = "Bends of nearly straight rods are left out."
 WITHIN = "estimated error"  # in a legend
 WITHOUT = "solved, without a number"  # in a legend
 BRACKET, CHANGE = "changes in between", "change"  # of a whole number: in a legend, and the gid of what shows it
-ALONE_BY = 0.02  # of that range, between an end that has its name and any other
 APART = 0.08  # of the range of lines, from one end to the next: nearer ones have no room for their names
+ALONE_BY = 0.02  # of that range, from the lowest or the highest end with a name to any other
 NEAR = 0.08  # inches between two values of an axis whose dots touch: a step in their middle is right within a dot
 
 Values = NDArray[np.float64]

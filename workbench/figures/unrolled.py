@@ -79,7 +79,7 @@ class Crossing(NamedTuple):
     """A place where a rod passes through itself on the unrolled cylinder, (2,) each [length].
 
     place: z and distance around. apart: how far its two stretches are apart; NaN where it comes back after a turn.
-    bend: whether it is a bend tighter than the rod is thick, which lies within the thickness of the rod: then that.
+    bend: whether it is a bend tighter than the radius of the rod, for which `apart` is the diameter of the rod.
     """
 
     place: Any
