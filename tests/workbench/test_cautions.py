@@ -199,3 +199,10 @@ def test_the_values_at_which_real_rods_could_keep_their_shapes_are_told_where_th
     texts = ["overlaps" if k in barred else "" for k in (3, 2, 1, 0)]
     ds = xr.Dataset({"outcome": ("E", ["solved"] * 4), "caution": ("E", texts)}, {"E": axis})
     assert StoredStudy(ds).restable == f"real rods could keep {said}"
+
+
+def test_of_a_list_of_equilibria_no_range_is_told() -> None:
+    """Their numbers are no axis."""
+    columns = {"outcome": ["solved"] * 2, "caution": ["overlaps", ""], "index": [0, 0]}
+    ds = xr.Dataset({name: ("equilibrium", values) for name, values in columns.items()}, {"equilibrium": [0, 1]})
+    assert StoredStudy(ds).restable == "real rods could keep one of the two shapes"

@@ -176,7 +176,8 @@ class StoredCases:
     def _range_where_kept(self, texts: Any, solved: Any) -> str:
         """The values of the one axis at which a real rod could keep the shape, ``L ≤ 34 m``, where they are one range
         and no other case is within it; else nothing."""
-        if len(self.varied) != 1 or self.varied[0] not in self.ds.coords or SAMPLE in self.varied:
+        is_one = self.kind is file_kinds.STUDY and len(self.varied) == 1
+        if not is_one or self.varied[0] not in self.ds.coords or SAMPLE in self.varied:
             return ""
         axis, symbol = self.ds[self.varied[0]], labels.axis_symbol(self.varied[0])
         order = np.argsort(axis.values)
