@@ -58,7 +58,7 @@ def test_a_method_is_one_row_and_is_then_solved_with_listed_compared_and_drawn(m
     with pytest.raises(InputError, match="no knob 'steps' in method 'toy'; its knobs: fineness"):
         solve(CASE, method="toy", steps=4)
     assert available_ladders()["toy"].values == ladders_of(["toy"])["toy"].values == (1, 2)
-    ds = in_memory.run(small.study("[base]\nL = 3.0\n"), 0.1, "toy")
+    ds = in_memory.run(small.study("[base]\nL = 3.0\n").with_values(tol=0.1, method="toy"))
     assert ds.attrs["method"] == "toy"
     assert trade_figure.look_of("toy").colour == "#123456"
 

@@ -1,6 +1,6 @@
 """A law of a study, and the verdict on it: does an observable do along an axis what a sentence claims?
 
-The `KINDS` of `line_verdicts` judge each line of the grid, by its direction or by numbers; `decide` makes the verdict
+The `KINDS` of `law_kinds` judge each line of the grid, by its direction or by numbers; `decide` makes the verdict
 on the law: that of the worst line, or of the line nearest to its `at`. A law that is not false is *true in part* if the
 numbers support only part of the sentence:
 
@@ -24,25 +24,10 @@ from ..grammar.axes import Line, Misplaced, in_rad, is_angle, one_of, read_units
 from ..grammar.formulas import FORMULAS, Formula, evaluate, parse
 from . import law_words
 from .case_rows import CaseRow, Grid
+from .law_kinds import KINDS, MONOTONE, STEPS, LawKind, as_given
 from .law_verdict import LawVerdict
 from .law_words import ON_OBSERVABLE
-from .line_verdicts import (
-    DIRECTIONS,
-    FAILS,
-    HOLDS,
-    KINDS,
-    MONOTONE,
-    QUALIFIED,
-    STEPS,
-    TREND,
-    UNDECIDED,
-    VERDICTS,
-    LawKind,
-    Verdict,
-    as_given,
-    as_good,
-    line_of,
-)
+from .line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, VERDICTS, Verdict, as_good, line_of
 
 
 def _read(value: float | str) -> float | str:

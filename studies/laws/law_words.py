@@ -1,6 +1,6 @@
 """The sentences about a law: what it claims, its verdict, what was measured, why it is true in part.
 
-Why a line is not decided, what a kind of law claims and what was measured of it is said in `line_verdicts`.
+Why a line is not decided is said in `line_verdicts`; what a kind of law claims, and what was measured, in `law_kinds`.
 
 Commands, figures and the report take their words here. How a number or a formula is written is theirs: a `Show`.
 """
@@ -11,18 +11,17 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ..grammar.axes import SAMPLE
+from .law_kinds import KINDS, Show
 from .line_verdicts import (
     DIRECTIONS,
     FAILS,
     HOLDS,
-    KINDS,
     QUALIFIED,
     TREND,
     TREND_TAU,
     UNCHANGED,
     UNDECIDED,
     VERDICTS,
-    Show,
     Verdict,
     as_good,
     worst,

@@ -10,7 +10,8 @@ from solver.problem.units import FORCES, LENGTHS
 from studies import READINGS, TABLE_1
 from studies.grammar.axes import DEFAULT_UNITS, in_rad
 from studies.language.study import OUTPUTS
-from studies.laws.line_verdicts import DIRECTIONS, KINDS, MONOTONE
+from studies.laws.law_kinds import KINDS, MONOTONE
+from studies.laws.line_verdicts import DIRECTIONS
 
 # For each field a range in which the solver takes every value, whatever the others are.
 RANGES = {

@@ -11,7 +11,7 @@ from solver import InputError
 from studies.language.loader import loads
 from studies.laws.case_rows import Grid
 from studies.laws.judgement import Law, decide
-from studies.laws.line_verdicts import FINEST, fit_power, with_error
+from studies.laws.law_kinds import FINEST, fit_power, with_error
 
 HEAD = 'title = "one"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.beta]\nvalues = [0.3, 0.6]\n"

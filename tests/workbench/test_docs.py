@@ -17,7 +17,7 @@ from solver.problem.quantities import unit_of
 from studies import load, names
 from studies.language.loader import loads
 from studies.language.study import OUTPUTS
-from studies.laws.line_verdicts import KINDS as KINDS_OF_LAWS
+from studies.laws.law_kinds import KINDS as KINDS_OF_LAWS
 from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels
 from workbench import cli

@@ -175,7 +175,7 @@ def _print_indices(table: "xr.Dataset") -> None:
 
 def _index(row: "dict[str, Any]", key: str) -> str:
     """An index and half its interval; a dash where there is none."""
-    from studies.laws.line_verdicts import with_error
+    from studies.laws.law_kinds import with_error
 
     return "-" if row[key] != row[key] else with_error(row[key], row[f"{key}_conf"])
 

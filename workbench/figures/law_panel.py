@@ -8,7 +8,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from studies.laws import law_words, line_verdicts
-from studies.laws.line_verdicts import MONOTONE, NOISE, Show
+from studies.laws.law_kinds import MONOTONE, Show
+from studies.laws.line_verdicts import NOISE
 
 from ..stored.trend_lines import LawLine
 from ..words import labels

@@ -22,7 +22,7 @@ from solver.problem.errors import InputError, check_known, near
 from solver.problem.quantities import current
 from solver.problem.shown import Picture
 from studies.grammar.axes import SAMPLE
-from studies.laws.line_verdicts import MONOTONE
+from studies.laws.law_kinds import MONOTONE
 
 from ..words import labels
 from . import derived_arrays, refined, stored_verdicts

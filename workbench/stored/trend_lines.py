@@ -9,7 +9,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
-from studies.laws.line_verdicts import HOLDS, MONOTONE
+from studies.laws.law_kinds import MONOTONE
+from studies.laws.line_verdicts import HOLDS
 
 Values = NDArray[np.float64]
 SEEN = 0.02  # of the range of the values with their errors, beyond which the errors are drawn

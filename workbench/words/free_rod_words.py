@@ -9,7 +9,7 @@ import numpy as np
 
 from solver.observe.free_numbers import errors_of_contacts
 from solver.observe.observables import observe
-from studies.laws.line_verdicts import with_error
+from studies.laws.law_kinds import with_error
 
 from .unit_habits import plain, within
 
