@@ -56,6 +56,11 @@ def alter(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     library._text_of.cache_clear()
 
 
+def test_the_core_reads_whole_numbers_with_gaps_between_them_as_its_own() -> None:
+    at = library._Grid(3, np.arange(6)[::2], np.empty(0)).angles
+    assert library.ctypes.cast(at, library.ctypes.POINTER(library.FLOAT))[:3] == [0.0, 2.0, 4.0]
+
+
 def test_a_field_that_the_header_no_longer_has_is_refused_in_a_sentence(alter: Any) -> None:
     alter("*series, *gain;", "*rows, *gain;")
     renamed = structure("varied_orbits", "altered.h")
