@@ -24,6 +24,7 @@ from solver.problem.errors import InputError, show, yes_or_no
 from solver.problem.quantities import quantity, unit_of
 from solver.problem.units import FORCES, LENGTHS
 from studies.language.case_input import fields_of
+from studies.language.study import outputs_of
 
 from .branches.equilibria_dataset import all_units, of_solution
 from .branches.equilibria_dataset import loops_as_dataset as loops_as_dataset  # `Loops.to_dataset` looks it up here
@@ -232,7 +233,8 @@ def as_dataset(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     Returns
     -------
     xr.Dataset
-        The arrays of `ALONG` over (*axes, u), u = s/L, the numbers of the case, outcome and caution.
+        The arrays of `ALONG` over (*axes, u), u = s/L, the numbers of the case, outcome and caution. With weight or
+        friction, and off the wall, these do not give the others: then all numbers along the rod.
 
     Raises
     ------
@@ -242,7 +244,9 @@ def as_dataset(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     used = all_units(units)
     case, axes = sol.case, _axes(sol)
     u = np.asarray(sol.s, dtype=float).reshape(-1, sol.t.shape[-1])[0]
-    ds = of_solution(sol, tuple(axes), (u - u[0]) / (u[-1] - u[0]), ALONG, used)
+    every = [name for name in outputs_of(case.leaves) if name not in quantity_variables.INNER]
+    names = every if case.varies or case.leaves else ALONG
+    ds = of_solution(sol, tuple(axes), (u - u[0]) / (u[-1] - u[0]), names, used)
     loads = {name: getattr(sol, name) for name in quantity_variables.LOADS}
     for name, number in {**quantity_variables.numbers_of_case(case), **loads}.items():
         if name not in axes:

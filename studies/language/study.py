@@ -55,6 +55,12 @@ OUTPUTS = (
 
 OFF_WALL, NOT_OFF_WALL = ("radius", "gap", "tilt"), ("h",)  # of rods that may leave the cylinder alone, of others alone
 
+
+def outputs_of(leaves: bool) -> tuple[str, ...]:
+    """The quantities along a rod: off the wall, where it may leave it, there is no first integral, on it no gap."""
+    return tuple(name for name in OUTPUTS if name not in (NOT_OFF_WALL if leaves else OFF_WALL))
+
+
 # The default outputs of a study; of rods that may leave the cylinder also their radius, as it gives their place.
 DRAWN = ["beta", "alpha", "z", "contact"]
 
@@ -254,9 +260,8 @@ class Study(BaseModel):
 
     @property
     def known_outputs(self) -> tuple[str, ...]:
-        """The quantities along the rods of the study: off the wall there is no first integral, on it no gap."""
-        without = NOT_OFF_WALL if self.leaves else OFF_WALL
-        return tuple(name for name in OUTPUTS if name not in without)
+        """The quantities along the rods of the study."""
+        return outputs_of(self.leaves)
 
     def at_stations(self, stations: int) -> Self:
         """A copy of the study with another number of stations. Raises `InputError`."""

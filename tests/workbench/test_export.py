@@ -400,6 +400,39 @@ def test_a_csv_file_has_every_quantity_with_its_unit_as_the_solver_has_it(ds, tm
         np.testing.assert_allclose(table[name], getattr(sol, name), atol=1e-6, err_msg=name)
 
 
+PIPE = {"EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 30.0, "weight": 0.242, "R": 0.10795, "inclination": 1.5}
+PIPE |= {"side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -220.0}
+
+
+@pytest.mark.parametrize("contact", ["bilateral", "unilateral"])
+@pytest.mark.parametrize("suffix", [".csv", ".vtp"])
+def test_tables_of_a_rod_with_weight_have_its_forces_and_say_what_it_has_not(suffix, contact, tmp_path, capsys) -> None:
+    study, path = tmp_path / "pipe.h5", tmp_path / f"pipe{suffix}"
+    stored = in_memory.run(loads(small.text(PIPE | {"contact": contact}, units="m kN", stations=21)))
+    writing.write(stored, study)
+    assert command.exit_status("export", study, "-o", path) == 0
+    said = capsys.readouterr().out
+    assert ("without h, not defined for this rod" in said) == (contact == "unilateral")
+    assert ("without" in said) == (contact == "unilateral")
+    if suffix == ".csv":
+        head, *rows = csv.reader(path.read_text(encoding="utf-8").splitlines())
+        table = dict(zip((name.split(" ")[0] for name in head), np.array(rows, float).T, strict=True))
+    else:
+        table = pv.read(path).point_data
+    sol = StoredStudy(stored).solution
+    for name in ("F2", "F3", "FY", *["h"] * (contact == "bilateral")):
+        np.testing.assert_allclose(table[name], getattr(sol, name), atol=1e-9, err_msg=name)
+    sol.export(path, length="m", force="kN", replace=True)
+    assert "F3" in path.read_text(encoding="utf-8", errors="replace")
+
+
+def test_tables_say_which_forces_cannot_be_told_without_the_study_of_a_pipe(tmp_path) -> None:
+    stored = in_memory.run(loads(small.text(PIPE, units="m kN", stations=21)))
+    del stored.attrs["study"]
+    facts = export(StoredStudy(stored), tmp_path / "pipe.csv").facts
+    assert facts["without"].startswith("F2, F3, FY, h, which are not stored: the dataset holds no study")
+
+
 def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path) -> None:
     export(StoredStudy(ds), tmp_path / "rod.vtp", ExportOptions(SOUND))
     shape = pv.read(tmp_path / "rod.vtp")

@@ -228,6 +228,7 @@ def test_the_tornado_and_its_options_are_for_print_too(tmp_path, capsys) -> None
     line = ["sensitivity", "fig6", "--show", "height", "--fields", "E,R"]
     refused = {
         "--width is an option of the picture: give also --plot FILE": ["--width", "89"],
+        "--dpi is an option of the picture: give also --plot FILE": ["--dpi", "100"],
         "the width must be from 60 to 500 mm, got 9": ["--plot", str(picture), "--width", "9"],
     }
     for said, more in refused.items():

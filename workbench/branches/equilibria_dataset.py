@@ -104,9 +104,8 @@ def of_solution(
 
     u: s/L at the stations.
     """
-    data: dict[str, Any] = quantity_variables.variables(
-        {name: getattr(sol, name) for name in names}, (*dims, "u"), units
-    )
+    along = quantity_variables.variables({name: getattr(sol, name) for name in names}, (*dims, "u"), units)
+    data: dict[str, Any] = {quantity_variables.curve_name(name): array for name, array in along.items()}
     data["solved"] = xr.Variable(dims, np.asarray(sol.solved, dtype=bool))
     data["outcome"] = xr.Variable(dims, np.asarray(sol.outcome).astype(str))
     return xr.Dataset(

@@ -56,6 +56,9 @@ class _Files:
     force: bool = False
 
 
+OF_PICTURES = tuple(field.name for field in fields(_Files) if field.name not in ("plot", "out", "force"))
+
+
 def result_of_files(
     paths: Sequence[Path], sentences: Sequence[str] = (), warnings: Sequence[str] = (), status: int = 0
 ) -> Result:
@@ -159,7 +162,7 @@ def _options(plot: str, out: str, force: str, short: str) -> dict[str, tuple[Any
     return {
         "plot": (Annotated[Path | None, option("FILE", plot, *o["plot"])], None),
         "out": (Annotated[Path | None, option("FILE", out, *o["out"])], None),
-        **{name: kind for name, kind in _options_of(_Files).items() if name not in ("plot", "out", "force")},
+        **{name: kind for name, kind in _options_of(_Files).items() if name in OF_PICTURES},
         "force": (Annotated[bool, flag(force, "--force")] if force else ForceOutput, False),
     }
 
@@ -176,7 +179,7 @@ def _sheet_of(files: _Files, kind: str, suffixes: tuple[str, ...]) -> "Sheet | N
     elif files.out is not None:
         writing.check_free(files.out, kind, files.force)
     if files.plot is None:
-        for name in ("style", "width", "no_title"):
+        for name in OF_PICTURES:
             if getattr(files, name) != getattr(_Files(), name):
                 raise InputError(f"--{name.replace('_', '-')} is an option of the picture: give also --plot FILE")
         return None

@@ -29,10 +29,11 @@ class Column:
     words: str
 
 
-def columns(rod: ExportedRod) -> list[Column]:
-    """Every quantity at the stations: what is stored, and what follows from it by the equations of statics.
+def columns(rod: ExportedRod) -> tuple[list[Column], dict[str, Any]]:
+    """Every quantity at the stations, and their numbers by name, with what is left out and why.
 
-    Raises `InputError` where beta' is not stored and the stations are too far apart for it.
+    A quantity is stored, or follows from what is stored by the equations of statics, or is that of the case solved
+    again. Raises `InputError` where beta' is not stored and the stations are too far apart for it.
     """
     stored, line = rod.stored, rod.line
     if line.phase_step > APART and not line.stored_slopes:
@@ -43,28 +44,40 @@ def columns(rod: ExportedRod) -> list[Column]:
         )
     units, case = stored.units, stored.select(rod.where)
     along = {name: getattr(line, name) for name in ("s", "alpha", "beta", "dbeta", "z")}
-    given = case.with_arrays(along)
-    derived = {name: given.array(name) for name in COMPUTED}
-    known = along | {name: np.asarray(array) for name, array in derived.items() if array is not None}
+    given, known = case.with_arrays(along), dict(along)
+    for name in COMPUTED:
+        if (array := given.array(name)) is not None:
+            known[name] = np.asarray(array)
     for key in case.variables:
         name, array = quantity_variables.CURVES.get(key, key), case[key]
         if array.dims == ("u",) and name in QUANTITIES:
             known[name] = np.asarray(array.values, dtype=float)
-    order = [*FIRST, *(name for name in known if name not in FIRST)]
+    missing, why = [name for name in COMPUTED if name not in known], "not defined for this rod"
+    if missing:  # loads vary along the rod, or it may leave the wall
+        try:
+            again = case.solve(line.s.size, (*missing, "alpha", "beta", "z"))
+            known |= {name: np.asarray(again.along(name), dtype=float) for name in missing}
+        except InputError as error:
+            why = f"which are not stored: {error}"
+    known = {name: values for name, values in known.items() if np.isfinite(values).any()}
+    order = [*FIRST, *COMPUTED, *(name for name in known if name not in (*FIRST, *COMPUTED))]
     x, y, _ = line.place.T
     said = {name: (unit_of(name, units), QUANTITIES[name].long_name) for name in known}
     for name, values, azimuth in (("x", x, "0"), ("y", y, "90 deg")):
         known[name], said[name] = values, (units["length"], f"position across the axis, where alpha = {azimuth}")
-    return [Column(name, known[name], *said[name]) for name in order]
+    table = [Column(name, known[name], *said[name]) for name in order if name in known]
+    left_out = [name for name in COMPUTED if name not in known]
+    without = {"without": f"{', '.join(left_out)}, {why}"} if left_out else {}
+    return table, {"stations": line.s.size, "quantities": len(table), **without}
 
 
 def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     """Write every quantity at the stations in full precision; the header has the units: ``beta [rad]``."""
-    table = columns(rod)
+    table, facts = columns(rod)
     heads = [f"{c.name} [{c.unit}]" if c.unit != "1" else c.name for c in table]
     rows = np.stack([c.values for c in table], axis=-1).tolist()
     path.write_text(in_csv([heads, *rows]), encoding="utf-8", newline="")
-    return {"stations": rod.line.s.size, "quantities": len(table)}
+    return facts
 
 
 FORMAT = Format(write)

@@ -71,17 +71,18 @@ def write(path: Path, series: Series) -> dict[str, Any]:
     digits = len(str(len(series.rods) - 1))
     try:
         aside.mkdir()
-        rows = []
+        rows, facts = [], dict[str, Any]()
         for i, (value, rod) in enumerate(zip(series.values, series.rods, strict=True)):
             name = f"{series.name}_{i:0{digits}}.vtp"
-            vtp.write(aside / name, rod)
+            facts |= vtp.write(aside / name, rod)
             rows.append(f'    <DataSet timestep="{value!r}" part="0" file={quoteattr(f"{folder.name}/{name}")}/>\n')
         path.write_text(f"{HEAD}{''.join(rows)}{TAIL}", encoding="utf-8")
         shutil.rmtree(folder, ignore_errors=True)
         aside.replace(folder)
     finally:
         shutil.rmtree(aside, ignore_errors=True)
-    return {"axis": series.axis, "files": len(rows), "unsolved": series.skipped}
+    without = {name: said for name, said in facts.items() if name == "without"}
+    return {"axis": series.axis, "files": len(rows), "unsolved": series.skipped, **without}
 
 
 FORMAT = Format(write, series=True)

@@ -264,9 +264,9 @@ def _frames(
         warnings.append(f"{case} is left out{also}: {worst}")
     if not values:
         raise InputError(f"no rod along {series.axis} could be written; {warnings[0]}")
-    unit = {name: facts[name] for name in ("unit",) if name in facts}
+    kept = {name: facts[name] for name in ("unit", "without") if name in facts}
     about = {"axis": series.axis, "files": len(values), "unsolved": series.skipped, "values": values}
-    return Exported(path, series.at, about | unit, warnings)
+    return Exported(path, series.at, about | kept, warnings)
 
 
 def name_of_file(name: str, i: int) -> str:

@@ -15,7 +15,7 @@ def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     """Write every quantity, the frame and the radius as point data; units, title and versions as field data."""
     import pyvista as pv
 
-    table, line = columns(rod), rod.line
+    (table, facts), line = columns(rod), rod.line
     shape = pv.PolyData(line.place, lines=np.concatenate([[line.s.size], np.arange(line.s.size)]))
     for column in table:
         shape.point_data[column.name] = column.values
@@ -30,7 +30,7 @@ def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     writer.WriteToOutputStringOn()  # on a full disk VTK would write its own report, or leave an empty file
     writer.Write()
     path.write_text(writer.GetOutputString(), encoding="ascii")
-    return {"stations": line.s.size, "quantities": len(table)}
+    return facts
 
 
 FORMAT = Format(write)

@@ -11,7 +11,7 @@ from solver.observe.free_numbers import errors_of_contacts
 from solver.observe.observables import observe
 from studies.laws.law_kinds import with_error
 
-from .unit_habits import plain, within
+from .unit_habits import intervals, plain, within
 
 if TYPE_CHECKING:
     from solver import Solution
@@ -55,7 +55,7 @@ def places_of_contact(sol: "Solution", length: str) -> str:
     each = [(_place(sol, low), _place(sol, high)) for low, high in sol.contacts]
     if len(each) > MOST:
         return f"in {len(each)} intervals or points from s = {each[0][0]} to {each[-1][1]} {length}"
-    return "at s = " + ", ".join(low if low == high else f"{low} to {high}" for low, high in each) + f" {length}"
+    return intervals(each, length)
 
 
 def forces_in_words(sol: "Solution", units: Mapping[str, str]) -> list[str]:

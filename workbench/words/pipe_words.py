@@ -12,7 +12,7 @@ from solver.problem.declared_fields import OFF_WALL
 
 from . import caution_words, outcome_counts, unit_habits
 from .pipe_profile import PUSH, ROUNDING, ProfileRow, axial_force, number, place_in_words, profile, weight_across
-from .unit_habits import plain
+from .unit_habits import intervals, plain
 
 if TYPE_CHECKING:
     from solver import Case, Solution
@@ -242,11 +242,11 @@ def _lift_offs(sol: "Solution", length: str) -> list[str]:
     if not stretches or caution_words.PULLED not in text:
         return []
     share = 100 * sum(end - begin for begin, end in stretches) / float(sol.case.rod.L)
-    each = [f"{plain(begin)} to {plain(end)} {length}" for begin, end in stretches[:MOST]]
+    where = intervals([(plain(begin), plain(end)) for begin, end in stretches[:MOST]], length)
     more = f", and on {len(stretches) - MOST} more stretches" if len(stretches) > MOST else ""
     so = "a real rod takes another shape there" if caution_words.IN_PART in text else "a real rod leaves the wall there"
     so = "no real rod has this shape" if caution_words.ALL_ALONG in text else so
-    return [f"caution: the push is below 0 on {share:.2g} % of the length, {', '.join(each)}{more}: {so}"]
+    return [f"caution: the push is below 0 on {share:.2g} % of the length, {where}{more}: {so}"]
 
 
 def _clamps(sol: "Solution", push: ProfileRow) -> list[str]:

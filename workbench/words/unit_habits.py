@@ -125,6 +125,15 @@ def plain(value: float, digits: int = 4) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
+def intervals(each: Iterable[tuple[str, str]], unit: str) -> str:
+    """Where intervals along a rod begin and end, in words; one of no length is a point.
+
+    >>> intervals([("0", "12.5"), ("300", "300")], "m")
+    'at s = 0 to 12.5, 300 m'
+    """
+    return "at s = " + ", ".join(low if low == high else f"{low} to {high}" for low, high in each) + f" {unit}"
+
+
 def within(value: float, error: float, digits: int = 4) -> str:
     """A number as `plain`, without the digits in which its error is more than one; one digit stays, and of a number of
     at least ten errors two.
