@@ -185,7 +185,7 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
     if locked is not None:
         why = (
             f"locked up. A push at s = 0 no longer reaches s = L: less than {100 * PASSED:g} % of a change of it "
-            f"passes the last {100 * locked:.3g} % of the length"
+            f"passes the last {100 * locked:.3g} % of the length, the reach of this load"
         )
         return GrowthWay(None, why=why, barred=True, limit=lock_up_tension(rod))
     if rod.straight and not straight_index(rod):
