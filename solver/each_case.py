@@ -45,7 +45,7 @@ def answer_each(question: Question, case: Case, blank_answer: Callable[[Case, Ar
 
     def answers(rows: Any) -> Answer | str:
         seeds = seed.take(rows) if isinstance(seed, Seed) else seed and [seed[i] for i in rows]
-        return attempt(lambda: column(_rows_of(case, rows), t[rows], seeds))
+        return attempt(lambda: column(rows_of(case, rows), t[rows], seeds))
 
     whole = attempt(lambda: column(case, t, seed))
     if not isinstance(whole, str):
@@ -62,7 +62,7 @@ def answer_each(question: Question, case: Case, blank_answer: Callable[[Case, Ar
     return blank_answer(case, t, why)
 
 
-def _rows_of(case: Case, rows: Any) -> Case:
+def rows_of(case: Case, rows: Any) -> Case:
     """The cases at flat places of a grid, in a row; rows: (k,) of whole numbers."""
     names = [name for _, name, value in case._numeric if np.ndim(value)]
     return with_fields_unchecked(case, {name: flat(values_of(case, name), case.shape)[rows] for name in names})

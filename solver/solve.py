@@ -6,14 +6,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .each_case import Answer, Question, answer_each
+from .each_case import Answer, Question, answer_each, rows_of
 from .free.free_rods import FREE_TOLERANCE, FreeRods, answers_beside
 from .free.starting_curves import BILATERAL, bilateral_cases, curves_of
 from .held.equilibrium_choice import LOWEST, NEAREST, RULES, Choose, check
-from .nodes.loaded_solutions import answer_ends, answer_starts
+from .nodes.banded_newton import correct
+from .nodes.constant_loads import shape_of_solution
+from .nodes.growth import GrowthWay
+from .nodes.loaded_rod import LoadedRod, rods_of
+from .nodes.loaded_solutions import answer_ends, answer_starts, branch_of, way_of
+from .nodes.shape_index import index_at
 from .nodes.varying_shapes import VaryingShapes
 from .numerics.arrays import NEGLIGIBLE, Array
 from .problem.case import Case, Ends, Start, check_case
+from .problem.declared_fields import VARY_LOADS
 from .problem.dimensionless import (
     EndsProblem,
     HeldProblem,
@@ -186,7 +192,35 @@ def _question_on_nodes(
         return Question(lambda rods, t, _: answer_starts(rods, t, tol), t, None, name)
     if seed is not None:
         seed = case.size * ["straight"] if straight else seed.trajectory.shapes.each(case.size)
-    return Question(lambda rods, t, seed: answer_ends(rods, t, tol, seed), t, seed, name)
+
+    def column(rods: Case, t: Array, seed: Any) -> Answer:
+        even = np.flatnonzero((seed is None) & ~_varies(rods))
+        if not even.size:
+            return answer_ends(rods, t, tol, seed)
+        alone = {i: solve(rows_of(rods, np.array([i])), tol, stations=2) for i in even.tolist()}
+        ways = [_way_of(alone[i], rod) if i in alone else branch_of(rod) for i, rod in enumerate(rods_of(rods))]
+        problem, answer = answer_ends(rods, t, tol, ways)
+        how, begun = np.full(rods.size, None, dtype=object), np.array(answer.begun, dtype=object)
+        for i, sol in alone.items():
+            how[i], begun[i] = (None if said is None else said[0] for said in (sol.selection, sol.begun))
+        return problem, replace(answer, selection=how, begun=begun)
+
+    return Question(column, t, seed, name)
+
+
+def _varies(case: Case) -> Any:
+    """Of which rods the loads vary along them, (B,) of bool."""
+    loads = [flat(value, case.shape) for _, name, value in case._numeric if name in VARY_LOADS]
+    return np.any(np.array(loads) != 0, axis=0)
+
+
+def _way_of(sol: Solution, rod: LoadedRod) -> GrowthWay:
+    """The answer to one rod of a grid without weight and friction, as it is alone, on nodes."""
+    if not sol.solved.all():
+        return GrowthWay(None, why=str(sol.outcome[0]).removeprefix("failed: "))
+    guess = shape_of_solution(rod, sol.trajectory, sol.problem, sol.t)
+    shape = correct(guess) or guess
+    return way_of(shape, index_at(shape))
 
 
 def _question_of_held_ends(

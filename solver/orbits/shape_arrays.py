@@ -341,8 +341,8 @@ class ShapeArrays:
         """The number of equilibria and the rule that took this one, (*cases) of `held.equilibrium_choice.Selection`.
 
         Of held ends those that were found and compared; it begins with the index where the equilibrium is unstable.
-        None for a start problem, with weight or friction, for a solution from a seed, and where floats cannot hold the
-        problem.
+        None for a start problem, of a rod with weight or friction, for a solution from a seed, and where floats cannot
+        hold the problem.
         """
         return self._known(self.trajectory.selection)
 

@@ -16,6 +16,7 @@ from solver import (
     Cylinder,
     Ends,
     Rod,
+    Solution,
     Start,
     equilibria,
     fit,
@@ -191,6 +192,27 @@ def test_a_lying_helix_locks_where_its_friction_raises_the_compression_without_b
         share = re.search(r"passes the last (\S+) % of the length", sol.outcome)
         assert share
         assert float(share[1]) == pytest.approx(100 * reach, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    "given",
+    (
+        {"beta0": 0.0, "betaL": 0.3, "FZ": -20e3},
+        {"beta0": 0.0, "betaL": 0.0, "FZ": -300e3, "MZ": 100.0},
+        {"beta0": 0.0, "betaL": 0.0, "azimuth": 1.0, "FZ": -20e3},
+        {"M10": 0.0, "betaL": 0.2, "FZ": -20e3},
+        {"beta0": 0.3, "betaL": 0.3, "height": 30.0},  # out of reach
+    ),
+)
+def test_a_rod_of_a_grid_without_weight_is_the_one_that_it_is_alone(given: dict[str, float]) -> None:
+    def rods(weight: Any) -> Solution:
+        rod = Rod(**PIPE | {"weight": weight}, L=30.0)
+        return solve(Case(rod, Cylinder(**HOLE, inclination="90deg"), Ends(**given)))
+
+    grid, alone = rods([0.0, PIPE["weight"]]), rods(0.0)
+    for name in ("selection", "begun", "solved", "outcome"):
+        assert (getattr(grid, name) if getattr(grid, name) is None else getattr(grid, name)[0]) == getattr(alone, name)
+    np.testing.assert_allclose(grid.beta[0], alone.beta, atol=1e-9)
 
 
 @pytest.mark.parametrize("side", ("outside", "inside"))
