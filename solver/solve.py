@@ -10,12 +10,10 @@ from .each_case import Answer, Question, answer_each, rows_of
 from .free.free_rods import FREE_TOLERANCE, FreeRods, answers_beside
 from .free.starting_curves import BILATERAL, bilateral_cases, curves_of
 from .held.equilibrium_choice import LOWEST, NEAREST, RULES, Choose, check
-from .nodes.banded_newton import correct
 from .nodes.constant_loads import shape_of_solution
 from .nodes.growth import GrowthWay
 from .nodes.loaded_rod import LoadedRod, rods_of
-from .nodes.loaded_solutions import answer_ends, answer_starts, branch_of, way_of
-from .nodes.shape_index import index_at
+from .nodes.loaded_solutions import answer_ends, answer_starts, branch_of, way_near
 from .nodes.varying_shapes import VaryingShapes
 from .numerics.arrays import NEGLIGIBLE, Array
 from .problem.case import Case, Ends, Start, check_case
@@ -218,9 +216,7 @@ def _way_of(sol: Solution, rod: LoadedRod) -> GrowthWay:
     """The answer to one rod of a grid without weight and friction, as it is alone, on nodes."""
     if not sol.solved.all():
         return GrowthWay(None, why=str(sol.outcome[0]).removeprefix("failed: "))
-    guess = shape_of_solution(rod, sol.trajectory, sol.problem, sol.t)
-    shape = correct(guess) or guess
-    return way_of(shape, index_at(shape))
+    return way_near(shape_of_solution(rod, sol.trajectory, sol.problem, sol.t))
 
 
 def _question_of_held_ends(

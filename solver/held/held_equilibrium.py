@@ -8,12 +8,10 @@ import numpy as np
 
 from ..branches.given_numbers import FREE, Given, OrbitState, parts_of, values_of
 from ..branches.held_index import dead_index_of
-from ..nodes.banded_newton import correct
 from ..nodes.growth import GrowthWay
 from ..nodes.hinges import shape_of
 from ..nodes.loaded_rod import LoadedRod, rods_of
-from ..nodes.loaded_solutions import answer_ends, way_of, why_unsolved
-from ..nodes.shape_index import index_at
+from ..nodes.loaded_solutions import answer_ends, way_near, why_unsolved
 from ..numerics.arrays import Array
 from ..orbits.path_orbits import orbit_of, together, trajectory_on, variations_of
 from ..orbits.periodic_orbit import Orbit
@@ -128,9 +126,7 @@ def each_hinged(
 
 def way_between_hinges(state: OrbitState, rod: LoadedRod) -> GrowthWay:
     """The shape of an equilibrium of a rod with a given end moment, as an answer."""
-    guess = shape_of(state, rod)
-    shape = correct(guess) or guess  # a shape that is not determined is as good as it is
-    return way_of(shape, index_at(shape))
+    return way_near(shape_of(state, rod))
 
 
 def _alternatives_between_hinges(

@@ -38,7 +38,7 @@ from .loaded_rod import (
 from .node_branch import NodeCurve
 from .pipe_states import LEAVES, RUBS
 from .shape_error import ROUNDING, estimate
-from .shape_index import index_of_any, shape_like
+from .shape_index import index_at, index_of_any, shape_like
 from .straight_branch import find_shape
 from .varying_shapes import Marched, Shape, VaryingShapes, read_starts
 
@@ -181,6 +181,12 @@ def curve_over(case: Case, shape: Shape, name: str, low: float, high: float) -> 
 def way_of(shape: Shape, index: int) -> GrowthWay:
     """A shape that is known, as a seed of `answer_ends`."""
     return GrowthWay(shape, index, why="seed")
+
+
+def way_near(guess: Shape) -> GrowthWay:
+    """An equilibrium that is known, as a seed of `answer_ends`; one that is not determined is as good as it is."""
+    shape = correct(guess) or guess
+    return way_of(shape, index_at(shape))
 
 
 def why_too_rough(friction: float) -> str:
