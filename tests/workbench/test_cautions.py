@@ -171,12 +171,14 @@ def test_no_real_rod_could_keep_an_unstable_shape_where_the_picture_counts_those
     ("texts", "said"),
     [
         (["E"], "a real rod could keep this shape except next to its ends"),
-        (["S, E"], "a real rod could keep this shape except next to its ends, if its material stays linear"),
+        (["S, E"], "a real rod could keep this shape except next to its ends and if its material stays linear"),
         (["S", "S"], "real rods could keep these shapes if their material stays linear"),
-        (["E, S", "S"], "real rods could keep these shapes, one of them except next to their ends, if their material "
-            "stays linear"),
-        (["S", "", "overlaps"], "real rods could keep two of the three shapes, one of them if their material stays "
+        (["E, S", "S"], "real rods could keep these shapes except next to their ends or if their material stays "
             "linear"),
+        (["S", "", "overlaps"], "real rods could keep one of the three shapes, and one more if their material stays "
+            "linear"),
+        (["E", "", "S", ""], "real rods could keep two of the four shapes, and two more except next to their ends or "
+            "if their material stays linear"),
         (["S, overlaps", ""], "real rods could keep one of the two shapes"),
     ],
 )  # fmt: skip

@@ -45,7 +45,7 @@ class PlotOptions:
         option(
             "KIND",
             "; ".join(f"{name}: {row.shows}" for name, row in figure_kinds.OF_STUDIES.items())
-            + ". Default: map for a grid of two axes or more, rod for one case, samples, else lines.",
+            + f". Default: map for two axes of over {figure_kinds.FEW} values, rod for one case, samples, or lines.",
         ),
     ] = None
     x: Annotated[

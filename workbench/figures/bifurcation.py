@@ -401,7 +401,8 @@ def _number_points(
     every, _ = _curves(stored, key)
     within = ((every >= (left, low)) & (every <= (right, high))).all(axis=1)
     seen = {f"{number + 1}" for number in stored["curve_branch"].values[within].tolist()}
-    sentence = f"{len(seen - said)} of the {len(seen)} branches have no number, for which there is no room."
+    have = "has" if len(seen - said) == 1 else "have"
+    sentence = f"{len(seen - said)} of the {len(seen)} branches {have} no number, for which there is no room."
     return written, [sentence] * (len(seen) > 1 and not seen <= said)
 
 

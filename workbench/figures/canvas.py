@@ -125,10 +125,14 @@ def page(
     """
 
     rest = labels.capital(stored.restable if rest is None and stored is not None else rest or "")
-    why = [labels.typeset(stored.caution)] if stored is not None and stored.caution else []
+    why, head = list[str](), [rest]
+    if stored is not None:
+        fixed = f"Given: {stored.fixed}." * bool(stored.fixed)
+        why = [text for text in (labels.typeset(stored.caution), fixed) if text]
+        head = [str(stored.attrs["title"]), stored.reading, rest]
 
     def draw(fig: Figure) -> None:
-        below: list[Any] = [*[f"{rest}."] * bool(rest and not sheet.titled), *why]
+        below: list[Any] = [*(f"{text}." for text in head if text and not sheet.titled), *why]
         groups = [list(group) for _, group in groupby(rows, lambda row: len(row[1]))]
         heights = [sum(tall for tall, _ in group) for group in groups]
         outer = GridSpec(len(groups), 1, fig, height_ratios=heights)

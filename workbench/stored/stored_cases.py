@@ -181,8 +181,8 @@ class StoredCases:
             return ""
         axis, symbol = self.ds[self.varied[0]], labels.axis_symbol(self.varied[0])
         order = np.argsort(axis.values)
-        barred = [caution_words.is_barred(str(text)) for text in texts.ravel()[order]]
-        kept = np.flatnonzero(solved.ravel()[order].astype(bool) & ~np.array(barred))
+        sound, limited = caution_words.kept(texts, solved)
+        kept = np.flatnonzero((sound if sound.any() else limited)[order])
         if not kept.size or kept[-1] - kept[0] >= kept.size:
             return ""
         low, high = (labels.value(float(axis.values[order[k]]), axis) for k in (kept[0], kept[-1]))

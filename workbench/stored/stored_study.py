@@ -9,7 +9,7 @@ Figures, scenes, pages and exports take one.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, check_known, near
 from solver.problem.quantities import current
 from solver.problem.shown import Picture
-from studies.grammar.axes import SAMPLE
+from studies.grammar.axes import SAMPLE, quantity_of
 from studies.laws.law_kinds import MONOTONE
 
 from ..words import labels
-from . import derived_arrays, refined, stored_verdicts
+from . import derived_arrays, file_kinds, quantity_variables, refined, stored_verdicts
 from .chosen_cases import Value, indices
 from .derived_arrays import ARRAYS, StoredArrays
 from .refined import Refined
@@ -140,6 +140,35 @@ class StoredStudy(StoredCases):
         from .solved_again import case_of
 
         return case_of(self.ds, self.study)
+
+    @cached_property
+    def fixed(self) -> str:
+        """What all cases of a study have in common, as it is given: ``ν = 0.25, a = 0.25 cm, side = inside``.
+
+        Empty for other files, and for one that was stored without its study.
+        """
+        if self.kind is not file_kinds.STUDY or not self.attrs.get("study"):
+            return ""
+        from .solved_again import case_of
+
+        axes = {
+            name: self.ds[quantity_variables.dimension(name)].values.ravel() for name in self.study.variation.fields
+        }
+        ends = [case_of(self.ds, self.study, {name: values[k] for name, values in axes.items()}) for k in (0, -1)]
+        varied, said = {name for name, values in axes.items() if values.size > 1}, list[str]()
+        for part, other in zip(*((case.rod, case.cylinder, case.given) for case in ends), strict=True):
+            for field in fields(part):
+                value = getattr(part, field.name)
+                is_fixed = field.name not in varied and value == getattr(other, field.name)
+                if value is None or value == field.default or not is_fixed:
+                    continue
+                if isinstance(value, str):
+                    said.append(f"{field.name} = {value}")
+                    continue
+                name = quantity_of(field.name).name
+                number = xr.DataArray(float(value), attrs=quantity_variables.labels(name, self.units), name=name)
+                said.append(labels.equation(number, float(value), 6))
+        return ", ".join(said)
 
     @cached_property
     def centreline(self) -> "Centreline":

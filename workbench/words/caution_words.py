@@ -184,38 +184,49 @@ def _list(facts: list[str]) -> str:
     return facts[0] if len(facts) == 1 else f"{', '.join(facts[:-1])} and {facts[-1]}"
 
 
-def restable(texts: Any, solved: Any, stable: Any = True, which: str = "") -> str:
-    """How many of the shapes of solved rods a real rod could keep, how many of these except next to their ends, and how
-    many if their material stays linear; empty where it could keep all of each, whatever its material.
+def kept(texts: Any, solved: Any, stable: Any = True) -> tuple[Any, Any]:
+    """Which shapes a real rod could keep, and which it could only except next to its ends or if its material stays
+    linear, (cases,) of bool each; texts, solved, stable: the caution of each case, and whether it is solved and stable.
+    """
+    texts = np.asarray(texts).astype(str).ravel()
+    free = np.array([not is_barred(text) for text in texts.tolist()], dtype=bool)
+    free &= np.ravel(solved).astype(bool) & np.ravel(np.broadcast_to(stable, np.shape(solved)))
+    limited = np.array([AT_ENDS in text or STRAINED in text for text in texts.tolist()], dtype=bool)
+    return free & ~limited, free & limited
 
-    texts: the caution of each case. solved, stable: whether each is. That shapes are unstable is said elsewhere: where
-    no caution is against one there is nothing to say. which: the range of the axis where it could keep them.
+
+def restable(texts: Any, solved: Any, stable: Any = True, which: str = "") -> str:
+    """How many of the shapes of solved rods a real rod could keep, and how many more with a limit, as `kept` says;
+    empty where it could keep all without.
+
+    That shapes are unstable is said elsewhere: where no caution is against one there is nothing to say. which: the
+    range of the axis where it could keep the first of these.
 
     Of a rod that was not checked for all that bars it nobody knows: then the number is the largest that it may be.
     """
-    cases = np.size(texts)
-    known = np.asarray(solved, dtype=bool)
-    stands = np.broadcast_to(stable, known.shape)[known].tolist()
-    texts = np.asarray(texts)[known].astype(str).ravel().tolist()
-    kept = [text for text, stands in zip(texts, stands, strict=True) if stands and not is_barred(text)]
-    off, strained = (sum(key in text for text in kept) for key in (AT_ENDS, STRAINED))
-    if not off and not strained and not any(map(is_barred, texts)):
+    sound, limited = kept(texts, solved, stable)
+    known, texts = np.ravel(solved).astype(bool), np.asarray(texts).astype(str).ravel()
+    if not limited.any() and not any(map(is_barred, texts[known].tolist())):
         return ""
-    if not kept:
-        return f"{NONE} {'this shape' if cases == 1 else 'these shapes'}"
-    whose = "its" if cases == 1 else "their"
-    clauses = [
-        f"{_number_in_words(number)} of them {words}" if number < len(kept) else words
-        for number, words in ((off, f"except next to {whose} ends"), (strained, f"if {whose} material stays linear"))
-        if number
-    ]
-    but = ", ".join(["", *clauses]).replace(", ", " ", (off or strained) == len(kept))
-    if cases == 1:
-        return f"a real rod could keep this shape{but}"
-    unknown = any(UNKNOWN in text for text in kept)
-    count = f"{'at most ' * unknown}{_number_in_words(len(kept))} of the {_number_in_words(len(texts))}"
-    shapes = f"{'these' if len(kept) == len(texts) else count}{' solved' * (len(texts) < cases)} shapes"
-    return f"real rods could keep {shapes}{f' ({which})' * bool(which)}{but}"
+    if not (sound | limited).any():
+        return f"{NONE} {'this shape' if texts.size == 1 else 'these shapes'}"
+    whose = "its" if texts.size == 1 else "their"
+    words = {AT_ENDS: f"except next to {whose} ends", STRAINED: f"if {whose} material stays linear"}
+    holds = [[key in text for text in texts[limited].tolist()] for key in words]
+    both = " and " if all(map(all, holds)) else " or "
+    limits = both.join(said for said, of in zip(words.values(), holds, strict=True) if any(of))
+    if texts.size == 1:
+        return f"a real rod could keep this shape {limits}".rstrip()
+
+    def count(mask: Any) -> str:
+        unknown = any(UNKNOWN in text for text in texts[mask].tolist())
+        return f"{'at most ' * unknown}{_number_in_words(int(mask.sum()))}"
+
+    first, total = sound if sound.any() else limited, int(known.sum())
+    shapes = "these" if first.sum() == total else f"{count(first)} of the {_number_in_words(total)}"
+    more = f", and {count(limited)} more" * bool(sound.any() and limited.any())
+    where = f" ({which})" * bool(which)
+    return f"real rods could keep {shapes}{' solved' * (total < texts.size)} shapes{where}{more} {limits}".rstrip()
 
 
 def _number_in_words(number: int) -> str:
