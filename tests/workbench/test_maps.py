@@ -10,7 +10,7 @@ from solver.observe.observables import observe
 from studies import load
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench.figures import canvas, map_cells, map_figure, regions
+from workbench.figures import canvas, map_cells, map_figure, map_panel, regions
 from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
@@ -136,6 +136,10 @@ def test_a_map_of_bends_shows_no_cases_that_were_added_where_a_number_changes_th
     pale = [level[tuple(place)] for place in shown if straight[tuple(place)]]
     assert pale == [0] * sum(straight[place] and level[place] == 0 for place in level)
     assert max(level[tuple(place)] for place in shown) > 3
+    key = [text.get_text() for legend in ax.figure.legends for text in legend.get_texts()]
+    assert [text.partition("; ")[2] for text in key if text.startswith("β varies")] == [map_panel.COARSE[2:]]
+    assert [text for text in key if "is shown" in text] == [text for text in key if "outside the pale area" in text]
+    assert len([text for text in key if "outside the pale area" in text]) == 1
 
 
 def test_a_rod_that_turns_back_sets_no_scale_and_a_size_of_rounding_neither() -> None:

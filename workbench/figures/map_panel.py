@@ -40,6 +40,7 @@ MOST_SAMPLES, DENSEST = 1200, 120
 REFINED = 4  # times fewer of a refined study: its cases lie along borders, which they would cover
 TURNED: Any = {"facecolor": colours.UNKNOWN, "edgecolor": colours.SOFT, "hatch": "....", "linewidth": 0}
 DENSE = ", dense where a number changes"  # of the cases of a refined study
+COARSE = "; here all cases of the coarse grid, and no others"  # of those that are shown of it
 SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.5, "alpha": 0.8}
 SIZES = {".": 2.8, "x": 2.4}  # points of a mark where there are many; with few cases up to `LARGER` times as many
 LARGER = 1.6
@@ -133,7 +134,8 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
     """
     barred = np.concatenate([panel.samples()[2] for panel in panels])
     most = max(_one_of(panel, inches) for panel in panels)
-    few = f" (one of {most} is shown)" if most > 1 else ""
+    is_thinned = any(panel.nearly_straight(name).any() for panel in panels for name in shown)
+    few = f" (one of {most} is shown{', outside the pale area' * is_thinned})" if most > 1 else ""
     dense = DENSE if SAMPLE in panels[0].source.sizes else ""
     marks = {"." * bool(~barred.all()): "a case", "x" * bool(barred.any()): caution_words.BARRED}
     legend: list[Artist] = [
@@ -151,7 +153,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
     for occurs, label, look in (
         (
             any(unbent.any() for _, unbent in numbers),
-            f"β varies by less than {np.degrees(NEARLY_STRAIGHT):.0f}°",
+            f"β varies by less than {np.degrees(NEARLY_STRAIGHT):.0f}°{COARSE * is_thinned}",
             {"facecolor": colours.BAND, **framed},
         ),
         (any(panel.turned.any() for panel in panels), "turns back against both its ends", TURNED),
@@ -166,11 +168,9 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
     cases = sum(panel.solved.size for panel in panels)
     turned = sum(int(panel.turned.sum()) for panel in panels)
     turn = ("turn back against both their ends and have", "turns back against both its ends and has")[turned == 1]
-    is_thinned = any(panel.nearly_straight(name).any() for panel in panels for name in shown)
     return [
         *legend,
         *[f"{turned} of {cases} rods {turn} no colour."] * bool(turned),
-        *["Of nearly straight rods all cases of the coarse grid are shown, and no others."] * is_thinned,
     ]
 
 
