@@ -30,8 +30,9 @@ class RoomLocator(Locator):
     """Round numbers of Matplotlib's locators, as many as have room on the axis when it is drawn.
 
     At 1, 2 and 5 times powers of ten on a logarithmic axis, within a decade at 4 times too, or at the powers alone;
-    evenly spaced where `FEW` such numbers do not lie on it, or at 1, 3 and 6; else as many of these as have room. Of
-    evenly spaced ones on a linear axis none is left out between two. of: ``counts`` are whole; ``angles`` over more
+    evenly spaced where `FEW` such numbers do not lie on it and these leave no more free at its low end than between the
+    first two, or at 1, 3 and 6; else as many of these as have room. Of evenly spaced ones on a linear axis none is left
+    out between two. of: ``counts`` are whole; ``angles`` over more
     than `NARROW` degrees are parts and multiples of a right angle.
     """
 
@@ -68,12 +69,15 @@ class RoomLocator(Locator):
                 kept = more if fits(more := sorted([*kept, tick])) else kept
             return kept
 
+        def is_late(ticks: list[float]) -> bool:
+            return ticks[0] ** 2 > low * ticks[1]
+
         fewer, crowded = list[list[float]](), list[list[float]]()
         for locator, least in self._candidates(vmax - vmin, logarithmic, within=vmax < 10 * vmin):
             inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
             if not fits(inside):
                 crowded.append(few_of(inside))
-            elif len(inside) >= least:
+            elif len(inside) >= least and not (logarithmic and isinstance(locator, MaxNLocator) and is_late(inside)):
                 return inside
             else:
                 fewer.append(inside)

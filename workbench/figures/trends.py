@@ -28,7 +28,8 @@ Values = NDArray[np.float64]
 
 def trend(line: TrendLine, ax: Axes) -> Axes:
     """A number of each case against an axis; of a grid the lines at other values of the other axes are pale, and have
-    their names at the right where these have room, else the lowest and the highest.
+    their names at the right where these have room, else the lowest and the highest. The legend has that of the dark
+    line.
 
     More than `MOST_DOTS` cases are joined by a line in any case.
     """
@@ -36,26 +37,28 @@ def trend(line: TrendLine, ax: Axes) -> Axes:
     lines, values = (labels.in_label_unit(line.observable, numbers) for numbers in (line.lines, line.values))
     set_scale(ax.xaxis, (float(along.min()), float(along.max())), line.is_logarithmic, SPARE)
     named, key = _names_at_ends(line, lines, values)
+    entry: dict[str, Any] = {"label": key, "gid": line.held} if key else {}
     for k, other in enumerate(lines, 1):
         look: dict[str, Any] = {"color": colours.OTHERS, "linewidth": 1, "zorder": 1, "gid": f"{line.elsewhere}, {k}"}
-        draw_line(ax, along, other, line.is_count, label=key, **look)
+        draw_line(ax, along, other, line.is_count, **look)
     for name, height in named:
         ax.annotate(name, (along[-1], height), (4, 0), textcoords="offset points", va="center", size=fonts.small(),
                     color=colours.SOFT)  # fmt: skip
     changes = np.empty(0, dtype=int)
     if _is_joined(line):
-        look = {"color": colours.DATA, "linewidth": 1.2, "zorder": 2}
+        look = {"color": colours.DATA, "linewidth": 1.2, "zorder": 2, **entry}
         changes = draw_line(ax, along, values, line.is_count, line.broken, **look)
     for k in changes.tolist():
         ax.plot(along[[k - 1, k]], [values[[k - 1, k]].mean()] * 2, color=colours.SOFT, linewidth=0.8, marker="|",
                 markersize=5, zorder=1.9, label=BRACKET, gid=CHANGE)  # fmt: skip
     if along.size <= MOST_DOTS:
-        ax.scatter(along, values, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
+        ax.scatter(along, values, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7,
+                   **({} if _is_joined(line) else entry))  # fmt: skip
     mark_missing(ax, along, np.isfinite(values) | line.unbent, line.solved, named=True)
     if line.fold is not None:
         ax.axvline(float(np.degrees(line.fold)), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     wide, high = fonts.inches(ax)
-    along_label = fonts.fit_label(partial(labels.axis_label, line.axis, held=line.held), wide)
+    along_label = fonts.fit_label(partial(labels.axis_label, line.axis, held="" if entry else line.held), wide)
     ax.set_xlabel(along_label if "\n" in along_label else fonts.wrap(along_label, ax))
     ax.set_ylabel(fonts.fit_label(partial(labels.label, line.observable), high))
     ax.margins(y=0.1)
@@ -81,24 +84,25 @@ def trend(line: TrendLine, ax: Axes) -> Axes:
 
 
 def _names_at_ends(line: TrendLine, lines: Values, values: Values) -> tuple[list[tuple[str, float]], str]:
-    """The names of the lines at other values with the heights of their ends, and the entry of the legend.
+    """The names of the lines at other values with the heights of their ends, and the entry of the dark line, none where
+    there are no others.
 
-    All have names and there is no entry, or the entry says their values, and of the lowest and the highest end each has
-    a name that stands alone.
+    All have names, or of the lowest and the highest end each has one that stands alone; without both the entry says the
+    values.
     """
     others = [(name, float(row[-1])) for name, row in zip(line.names, lines, strict=False)
               if not np.array_equal(row, values)]  # fmt: skip
     named = sorted((pair for pair in others if np.isfinite(pair[1])), key=lambda pair: pair[1])
     if not named:
-        return [], line.elsewhere
+        return [], f"{line.held}; pale: {line.elsewhere}" if others else ""
     heights = np.array([height for _, height in named])
     span = float(np.nanmax(lines) - np.nanmin(lines))
     if len(named) == len(others) and np.all(np.diff(heights) > APART * span):
-        return named, ""
+        return named, line.held
     first, last, *ends = (name.partition("= ")[2] for name, _ in [others[0], others[-1], named[0], named[-1]])
     near = [int((np.abs(np.append(heights, values[-1]) - height) < ALONE_BY * span).sum()) for height in heights]
     alone = {name: float(heights[k]) for name, k in zip(ends, (0, -1), strict=True) if near[k] == 1}
-    return list(alone.items()), f"{line.elsewhere}, {first} to {last}"
+    return list(alone.items()), f"{line.held}; {'others pale' if len(alone) == 2 else f'pale: {first} to {last}'}"
 
 
 def _is_joined(line: TrendLine) -> bool:
