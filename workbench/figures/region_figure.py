@@ -215,8 +215,8 @@ def _name_regions(
     stored: StoredStudy, ax: Axes, numbers: Any, inches: tuple[float, float]
 ) -> tuple[list[str | Artist], list[int]]:
     """Write ``13 (2 stable)`` into each region with room, and all its stable shapes below it where they fit too; where
-    all regions have as many stable ones, ``13`` alone in all but the largest. A region without room has its text in
-    another one where that covers nothing, and a line to it.
+    all regions have as many stable ones, the largest says so, and the others have ``13`` alone. A region without room
+    has its text in another one where that covers nothing, and a line to it.
 
     numbers: the region of each cell, -1 where no letters may stand. Returns what is said of the shapes, and the regions
     without room.
@@ -231,7 +231,7 @@ def _name_regions(
     extent = max((float(np.ptp(view, axis=1).max()) for of in views for view in of), default=1.0)
     for k, (count, stable) in enumerate(zip(stored["count"].values, stored["count_stable"].values, strict=True)):
         text = texts[k] = f"{count}" if same else f"{count} ({stable} stable)"
-        full = _words(count, stable)
+        full = _words(count, stable).replace(" stable", f" stable{', as everywhere' * (same and len(views) > 1)}")
         sizes = [np.ptp(view, axis=1) / extent * longest + APART for view in views[k]]
         shapes = float(sum(size[0] for size in sizes)), float(max((size[1] for size in sizes), default=0.0))
         all_fit = bool(0 < len(sizes) == stable <= MOST and not same)
