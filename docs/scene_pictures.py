@@ -129,7 +129,7 @@ def _datasets() -> dict[str, Callable[[], StoredStudy]]:
     return {
         ROD: partial(run, "fig6", "The rod of Table 1"),
         "ghosts": partial(run, "fig7_1_modulus", "Three rods, from soft to stiff"),
-        "grid": partial(run, "fig7_5_forces", "Rods under more tension pass through themselves"),
+        "grid": partial(run, "fig7_5_forces", "Pulled hard enough, each rod passes through itself"),
         "equilibria": equilibria,
         **{name: partial(run, RODS / f"{name}.toml") for name in OWN},
         SWEEP: partial(run, RODS / f"{SWEEP}.toml", F3=FORCES[::-1]),

@@ -159,7 +159,7 @@ class Verlet(EqualSteps):
     summary = "the paper's difference equation marched; order 2, extrapolated 4"
     order = 4
     ladders = (
-        Ladder("verlet", "steps", twos(8), "#2997f2", "d", fixed={"extrapolate": False}),
+        Ladder("verlet", "steps", twos(8), "#2997f2", "v", fixed={"extrapolate": False}),
         Ladder("verlet", "steps", twos(7), "#0072b2", "*", "--", label="verlet extrapolated"),
     )
     rule_order, calls, most = 2, 1, 2**17

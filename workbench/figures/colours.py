@@ -19,7 +19,7 @@ INK, SOFT, FAINT = "#1c2430", "#5b6675", "#d5dae1"
 BAND = "#f1f3f6"  # behind a line of a long rod
 DATA, OTHERS = "#2f5f8f", "#b3c6da"  # numbers that are no push, at the chosen and at other values of another axis
 PAIR = ("#5b3f8c", "#2f9a82")  # two of a kind that is no push
-SEVERAL = ("#2b3442", "#8a5cc0", "#259e73")  # several rods on one cylinder, dark to light; none is red
+SEVERAL = ("#2b3442", "#7440b0", "#259e73")  # several rods on one cylinder, dark to light; none is red
 CROSSED = "#7d2ea0"  # rings where a rod passes through itself
 UNKNOWN = "#ffffff"  # a cell of a map without a number
 # a cell without a solution: grey, and hatched, because some colours of a map are as light

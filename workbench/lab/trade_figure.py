@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this size and more has no correct digit
 FLOOR, TOP = 1e-16, 1e4  # the range of errors that is shown; an error of 0 is drawn at its lower end
-FAILED, NO_DIGIT = (LOST * TOP) ** 0.5, "failed, or no\ncorrect digit"  # what stands beside the crosses, and where
+# what stands beside the crosses, and where
+FAILED, NO_DIGIT = (LOST * TOP) ** 0.5, "failed, or no\ncorrect digit\n(rows as in key)"
 PANEL, LEGEND = 2.1, 1.6  # inches that a panel and the legend are high
 MOST = 6  # panels
 SLOW: dict[str, Any] = {"marker": ">", "markersize": 7, "markerfacecolor": "none", "linestyle": ""}
@@ -76,7 +77,8 @@ def figure(stored: StoredStudy, cost: str = "seconds", sheet: Sheet = SCREEN) ->
 def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     """One case: a line a method over its ladder, crosses at the top for failed rungs. Raises `InputError`.
 
-    The crosses of each method have a height of their own. Rungs that it handed over to another are a line of their own.
+    The crosses of each method have a height of their own, in the order of the legend. Rungs that it handed over to
+    another are a line of their own.
     """
     check_known("case", case, [str(name) for name in stored["case"].values])
     rows = stored.part(case=case)
