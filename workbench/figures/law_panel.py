@@ -63,7 +63,8 @@ def titles(laws: Sequence[LawLine], room: float, size: float) -> list[str]:
     """
     full, short = [], []
     for law in laws:
-        (head, rest), verdict = _message(law), f": {law.row['verdict']}".replace(" ", labels.NO_BREAK)
+        larger = f", error up to {words}" if (words := _larger_error(law)) else ""
+        (head, rest), verdict = _message(law), f": {law.row['verdict']}{larger}".replace(" ", labels.NO_BREAK)
         claim = f" · {law.row['claim']}"
         full.append(f"{head}{rest}{claim * (law.row['kind'] == MONOTONE)}{verdict}{_exponent_note(law.row)}")
         short.append(f"{head}{claim}{verdict}")
@@ -136,11 +137,12 @@ def caption_of(law: LawLine) -> str:
     others = law_words.others(row, lambda name: labels.symbol(law.others[name]))
     measured = law_words.measurement(row, show)
     said = law_words.join([row["verdict"], labels.law_text(row, measured)]).rstrip(".")
-    return f"{row['claim']}: {sentence(law)}; {said}. {others}".rstrip() + _say_larger_error(law)
+    larger = f" Its estimated error, up to {words}, exceeds the tolerance." if (words := _larger_error(law)) else ""
+    return f"{row['claim']}: {sentence(law)}; {said}. {others}".rstrip() + larger
 
 
-def _say_larger_error(law: LawLine) -> str:
-    """A sentence where the estimated error of an observable is more than its law allows; else nothing."""
+def _larger_error(law: LawLine) -> str:
+    """The largest estimated error of an observable, ``3 %``, where it is more than its law allows; else nothing."""
     rule = law.row["rule"]
     if law.row["kind"] != "equals" or law.is_trivial:
         return ""
@@ -150,8 +152,7 @@ def _say_larger_error(law: LawLine) -> str:
     if most <= (rule["absolute"] if relative is None else relative):
         return ""
     share = f"{labels.powers_of_ten(labels.number(100 * most, 2))}{labels.NO_BREAK}%"
-    words = share if relative is not None else labels.value(most, law.observable, 2)
-    return f" Its estimated error, up to {words}, exceeds the tolerance."
+    return share if relative is not None else labels.value(most, law.observable, 2)
 
 
 def show_of(formulas: Mapping[str, str], observable: xr.DataArray, axis: xr.DataArray) -> Show:
