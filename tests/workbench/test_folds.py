@@ -78,6 +78,13 @@ def test_a_region_shows_all_its_stable_shapes_or_none_and_no_letters_cover_a_cus
         assert not any(text.get_window_extent().contains(*ax.transData.transform(cusp)) for text in ax.texts)
 
 
+def test_where_as_many_equilibria_are_stable_everywhere_one_region_says_so_of_all() -> None:
+    """It said "(2 stable)" of itself, beside regions with a bare number."""
+    stored = StoredStudy(made().assign(count_stable=("region", [1, 1])))
+    texts = [text.get_text() for text in region_figure.figure(stored, sheet("paper", titled=False)).axes[0].texts]
+    assert sorted(texts) == ["1 equilibrium (1 stable, as everywhere)", "3"]
+
+
 def test_a_map_of_folds_shows_what_is_stored() -> None:
     paper = sheet("paper", titled=False)
     pictures = {
