@@ -103,7 +103,7 @@ def figure(
             rows.append((maps.of_shapes[1] + 0.8, [partial(maps.draw_shapes, shapes)]))
         said: list[str | Artist] = [*map_panel.entries(columns, choice.shown, maps.inches)]
         said += [] if whole is None else _refinement(whole, verdicts)
-        said += [f"{_named(law.sentence(grid))}." for law in maps.laws if choice.along]
+        said += [f"{_law_sentence(law.sentence(grid))}." for law in maps.laws if choice.along]
         if choice.along and len(choice.columns) < grid.sizes[choice.along]:
             of = f"the {grid.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
             said.append(f"The columns show {len(choice.columns)} of {of}.")
@@ -113,7 +113,7 @@ def figure(
         said += canvas.say_left_out([*choice.left_out, *coarse], "--show")
         if choice.along and choice.held:
             said.append(f"All maps: {grid.equations(choice.held)}.")
-        said += [f"{_named(law.sentence(grid))}." for law in elsewhere if law not in mixed]
+        said += [f"{_law_sentence(law.sentence(grid))}." for law in elsewhere if law not in mixed]
         return canvas.page(stored, sheet, rows, said, 0.4)
 
     most = MOST_NARROW if sheet.narrow and not show else MOST_MAPS
@@ -164,7 +164,7 @@ class _Maps:
         value = self.stored.equations({along: where[along]}) if along else ""
         heads = [f"{law.row['claim']}: " if along else f"{law.sentence(self.stored)}; lines: " for law in laws]
         tail = f" at {value}." if value else "."
-        said = [_named(f"{head}{law.counts(where)}{tail}") for head, law in zip(heads, laws, strict=True)]
+        said = [_law_sentence(f"{head}{law.counts(where)}{tail}") for head, law in zip(heads, laws, strict=True)]
         title = labels.label(self.stored[name], long=True) + self.colours[name].said
         title = fonts.break_lines(title, self.inches[0] + 0.2)
         if along:
@@ -187,7 +187,10 @@ class _Maps:
         self._label(ax, leaving=law.row["axis"])
         claim = f"law on the {labels.noun_of(law.row['observable'])} along {labels.axis_symbol(law.row['axis'])}"
         ax.set_title(f"where the {claim} is true".replace("the the", "the"), loc="left")
-        return [*_entries(verdicts), _named(f"{law.sentence(self.stored)}; lines: {law.counts(self.places[0])}.")]
+        return [
+            *_entries(verdicts),
+            _law_sentence(f"{law.sentence(self.stored)}; lines: {law.counts(self.places[0])}."),
+        ]
 
     def draw_shapes(self, shapes: map_panel.ShapeCounts, ax: Axes) -> canvas.Said:
         """Draw the panel of shapes: those of the first column, on a pale map of the first observable."""
@@ -256,7 +259,7 @@ class _JudgedLaw:
         return f"{said}{how} {at}"
 
 
-def _named(sentence: str) -> str:
+def _law_sentence(sentence: str) -> str:
     """A sentence that begins with what its law is called: ``Law (1): ...``, ``Fewer bends: ...``."""
     return f"Law {sentence}" if sentence.startswith("(") else labels.capital(sentence)
 

@@ -181,7 +181,7 @@ class StoredCases:
             return ""
         axis, symbol = self.ds[self.varied[0]], labels.axis_symbol(self.varied[0])
         order = np.argsort(axis.values)
-        sound, limited = caution_words.kept(texts, solved)
+        sound, limited = caution_words.possible_shapes(texts, solved)
         kept = np.flatnonzero((sound if sound.any() else limited)[order])
         if not kept.size or kept[-1] - kept[0] >= kept.size:
             return ""

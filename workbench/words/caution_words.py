@@ -184,7 +184,7 @@ def _list(facts: list[str]) -> str:
     return facts[0] if len(facts) == 1 else f"{', '.join(facts[:-1])} and {facts[-1]}"
 
 
-def kept(texts: Any, solved: Any, stable: Any = True) -> tuple[Any, Any]:
+def possible_shapes(texts: Any, solved: Any, stable: Any = True) -> tuple[Any, Any]:
     """Which shapes a real rod could keep, and which it could only except next to its ends or if its material stays
     linear, (cases,) of bool each; texts, solved, stable: the caution of each case, and whether it is solved and stable.
     """
@@ -196,15 +196,15 @@ def kept(texts: Any, solved: Any, stable: Any = True) -> tuple[Any, Any]:
 
 
 def restable(texts: Any, solved: Any, stable: Any = True, which: str = "") -> str:
-    """How many of the shapes of solved rods a real rod could keep, and how many more with a limit, as `kept` says;
-    empty where it could keep all without.
+    """How many of the shapes of solved rods a real rod could keep, and how many more with a limit; empty where it could
+    keep all without. The limits are those of `possible_shapes`.
 
     That shapes are unstable is said elsewhere: where no caution is against one there is nothing to say. which: the
     range of the axis where it could keep the first of these.
 
     Of a rod that was not checked for all that bars it nobody knows: then the number is the largest that it may be.
     """
-    sound, limited = kept(texts, solved, stable)
+    sound, limited = possible_shapes(texts, solved, stable)
     known, texts = np.ravel(solved).astype(bool), np.asarray(texts).astype(str).ravel()
     if not limited.any() and not any(map(is_barred, texts[known].tolist())):
         return ""
@@ -213,8 +213,8 @@ def restable(texts: Any, solved: Any, stable: Any = True, which: str = "") -> st
     whose = "its" if texts.size == 1 else "their"
     words = {AT_ENDS: f"except next to {whose} ends", STRAINED: f"if {whose} material stays linear"}
     holds = [[key in text for text in texts[limited].tolist()] for key in words]
-    both = " and " if all(map(all, holds)) else " or "
-    limits = both.join(said for said, of in zip(words.values(), holds, strict=True) if any(of))
+    joint = " and " if all(map(all, holds)) else " or "
+    limits = joint.join(said for said, of in zip(words.values(), holds, strict=True) if any(of))
     if texts.size == 1:
         return f"a real rod could keep this shape {limits}".rstrip()
 
