@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -30,6 +31,7 @@ from workbench.figures import (
     drawn_rods,
     figure_kinds,
     fonts,
+    legend_room,
     one_rod,
     phase_portrait,
     push_scale,
@@ -212,6 +214,33 @@ def test_a_label_is_in_words_where_two_lines_have_room_for_them_and_no_line_ends
     assert fonts.fit_label(label, 9.0) == "largest curvature  max\N{NO-BREAK SPACE}κ [1/cm]"
     assert fonts.fit_label(label, 1.5).split("\n") == ["largest curvature", "max\N{NO-BREAK SPACE}κ [1/cm]"]
     assert fonts.fit_label(label, 1.5, most=1) == fonts.fit_label(label, 0.5) == "max κ [1/cm]"
+    assert fonts.fit_label(lambda full: "mean curvature [1/cm]" if full else "mean κ [1/cm]", 1.05) == "mean κ [1/cm]"
+    assert fonts.fit_label(lambda full: "mean curvature [1/cm]", 1.25).split("\n") == ["mean", "curvature [1/cm]"]
+
+
+def test_a_line_in_the_colours_of_the_push_is_thin_where_the_rod_would_lift_off_and_grey_without_a_push() -> None:
+    ax, push = Figure().add_subplot(), np.array([2.0, 1.0, -1.0, -1e-12, 0.0, 0.0])
+    s = np.arange(6.0)
+    push_scale.line(ax, s, np.zeros(6), push, push_scale.scale([push]), 2.0)
+    (coloured,) = ax.collections
+    np.testing.assert_allclose(coloured.get_linewidths(), [2.0, 2.0, 0.8, 2.0, 0.0, 0.0])  # no colour without a push
+    thin, wide = ax.lines
+    assert 2 * thin.get_linewidth() < wide.get_linewidth() + 0.1
+    for casing, stations in ((thin, [2, 4, 5]), (wide, [0, 1, 3])):
+        x = np.asarray(casing.get_xdata(), dtype=float)
+        assert {*np.rint(x[1::3][np.isfinite(x[1::3])])} == {*map(float, stations)}
+
+
+def test_a_legend_that_covers_a_word_of_its_axes_is_put_below_them() -> None:
+    for covered in (False, True):
+        fig = Figure(figsize=(4, 3), dpi=100, layout="constrained")
+        FigureCanvasAgg(fig)
+        ax = fig.add_subplot()
+        ax.plot([0, 1], [0, 0], label="line")
+        ax.set_ylim(-1, 1)
+        ax.text(0.95 if covered else 0.05, 0.9, "word")
+        ax.legend(loc="upper right")
+        assert bool(legend_room.clear(fig)) is covered
 
 
 def wound(turns: float, side: str = "outside", a: float = 1.0, beta: float = np.radians(80.0)) -> StoredStudy:
@@ -394,7 +423,7 @@ def test_equal_peaks_of_push_are_drawn_equal_however_few_stations_are_stored() -
         study("[axes.E]\nvalues = [1e4]\n", 'observables = ["push_max"]\noutputs = ["contact", "beta"]\n')
     )
     for stored in (ds, ds.isel(E=0)):
-        push = one_rod.figure(StoredStudy(stored)).axes[1].lines[0].get_ydata()
+        push = one_rod.figure(StoredStudy(stored)).axes[1].lines[1].get_ydata()  # where the cylinder pushes
         peaks = push[1:-1][(push[1:-1] > push[:-2]) & (push[1:-1] > push[2:]) & (push[1:-1] > 160)]
         assert peaks.size == 6
         np.testing.assert_allclose(peaks, ds["push_max"].values[0], rtol=1e-3)  # a third of a pixel

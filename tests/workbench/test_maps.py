@@ -53,7 +53,7 @@ def test_the_regions_of_a_count_carry_their_counts(regimes) -> None:
     numbers = [text for text in ax.texts if text.get_text().isdigit()]
     assert {text.get_text() for text in numbers} == {str(n) for n in range(8)}
     for text in numbers:
-        E, R = text.get_position()
+        E, R = ax.transData.inverted().transform(ax.transAxes.transform(text.get_position()))
         assert regimes["bends"].sel(E=E, R=R, method="nearest") == int(text.get_text())
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -27,6 +27,7 @@ from workbench.commands import study_scene
 from workbench.export.file_format import ExportOptions
 from workbench.export.stored_rod import export
 from workbench.figures import canvas, figure_kinds, phase_portrait, trends, unrolled
+from workbench.figures.drawn_rods import DrawnRod
 from workbench.geometry.tube_tolerance import push_along
 from workbench.run import in_memory, in_order, writing
 from workbench.scene import opengl, signs
@@ -376,6 +377,17 @@ def test_an_unrolled_rod_is_white_where_it_is_off_the_wall_alone(stored: xr.Data
         assert not np.any((on_wall > x.min()) & (on_wall < x.max()))
         assert np.interp(x, z, gap).max() > 0
     assert "off the wall" in {text.get_text() for text in words(drawn)}
+
+
+def test_a_rod_in_one_colour_says_where_it_is_on_the_wall_and_has_a_dot_where_it_touches_it_at_one_place() -> None:
+    radius = np.full(9, 0.9)
+    radius[[0, 1, 2, 5, 8]] = 1.0  # a stretch at its start, a place in the middle, its held end
+    s = np.arange(9.0)
+    case = cast("StoredStudy", None)
+    rod = DrawnRod("rod", "", {"s": s, "z": s, "alpha": 0 * s, "radius": radius}, 1.0, 0.1, "", case)
+    (first, second, dot) = unrolled.parts_off_wall(rod)
+    assert [part[0].tolist() for part in (first, second, dot)] == [[3.0, 4.0], [6.0, 7.0], [5.0]]
+    assert dot[2]["label"] == "touches the wall at one place"
 
 
 def test_stretches_that_cross_one_over_the_other_off_the_wall_have_no_ring() -> None:

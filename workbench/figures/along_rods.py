@@ -22,7 +22,6 @@ from studies.laws.line_verdicts import NOISE
 from ..stored import quantity_variables
 from ..stored.stored_study import StoredStudy
 from ..words import labels, unit_habits
-from ..words.caution_words import SLIGHT
 from . import canvas, colours, drawn_rods, fonts, pipe_map, push_scale, regions, waves
 from .axis_scales import RoomLocator, round_below
 from .drawn_rods import DrawnRods
@@ -275,7 +274,7 @@ def alone(ax: Axes, rods: DrawnRods, name: str) -> list[str]:
 
 def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
     """Shade the stretches where the cylinder would have to pull."""
-    pulled = push < -SLIGHT * np.abs(push).max()
+    pulled = push_scale.pulls(push)
     if not pulled.any():
         return
     ax.fill_between(s, 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=colours.PULLED, alpha=0.14,
@@ -312,13 +311,14 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
             continue
         s, push = rod["s"], rod["push"] if curves.name in ARRAYS else values
         if curves.name == "push":
-            for side, colour, words in (
-                (np.maximum(values, 0), colours.PUSHED, push_scale.PUSHES),
-                (np.minimum(values, 0), colours.PULLED, push_scale.PULLS * push_scale.pulls(push)),
+            for side, colour, words, occurs in (
+                (np.maximum(values, 0), colours.PUSHED, push_scale.PUSHES, push_scale.pulls(-push).any()),
+                (np.minimum(values, 0), colours.PULLED, push_scale.PULLS, push_scale.pulls(push).any()),
             ):
-                ax.fill_between(
-                    s, 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order, label=words
-                )
+                if occurs:
+                    ax.fill_between(
+                        s, 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order, label=words
+                    )
         if curves.name in ("push", PIPE):
             for of in _unbroken(s, values, inches) if curves.name == PIPE else [slice(0, s.size)]:
                 said += push_scale.line(ax, s[of], values[of], push[of], norm, width, rod.name, where, order, inches)
@@ -345,7 +345,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
             ax.fill_between(ends, -half, half, alpha=SHADE, linewidth=0, transform=where, zorder=0.5, **look)
         if curves.name == PIPE:
             continue
-        _, first, after = regions.runs((push < -SLIGHT * np.abs(push).max())[None])
+        _, first, after = regions.runs(push_scale.pulls(push)[None])
         for of in map(slice, first, after):
             ax.plot(s[of], values[of], **PULLS, transform=where, zorder=order - 0.01, gid=f"{rod.name}, would lift off")
     return said

@@ -149,12 +149,6 @@ class Scale:
         low, at, high = (np.log(v) if self.logarithmic else v for v in (self.edges[0], value, self.edges[-1]))
         return float((at - low) / (high - low))
 
-    def between(self, place: float) -> float:
-        """The value at a place, where the cell of value i lasts from i to i + 1."""
-        edges = np.log(self.edges) if self.logarithmic else self.edges
-        value = float(np.interp(place, np.arange(edges.size), edges))
-        return float(np.exp(value)) if self.logarithmic else value
-
     def cell(self, share: float) -> int:
         """The index of the value whose cell lies there; on an edge, within rounding, that of the upper cell."""
         shares = [self.share(float(edge)) - EDGE for edge in self.edges[1:-1]]

@@ -79,11 +79,11 @@ def wrap(text: str, ax: Axes, size: float | None = None) -> str:
     return break_lines(text, inches(ax)[0], size)
 
 
-def break_lines(text: str, room: float, size: float | None = None, bold: bool = False) -> str:
+def break_lines(text: str, room: float, size: float | None = None, bold: bool = False, cut: bool = True) -> str:
     """The text in lines that are no longer than so many inches, for a font of that size in points.
 
-    A word that is longer than a line is cut; a product such as ``5 x 4`` is one word. No line begins with a unit in
-    brackets, with a dot between two texts, with what a symbol equals, or with where it is held.
+    A product such as ``5 x 4`` is one word. No line begins with a unit in brackets, with a dot between two texts, with
+    what a symbol equals, or with where it is held. cut: whether a word that is longer than a line is cut.
     """
     size = size or normal()
     room = max(room, 12 * size * LETTER)
@@ -91,7 +91,8 @@ def break_lines(text: str, room: float, size: float | None = None, bold: bool = 
     most = int(1.2 * len(text) * room / max(width_of(text, size, bold), room)) + 1
     text = re.sub(r" (?=[\[·=])|(?<==) |(?<=, at) ", GLUE, text)
     while True:
-        lines = [line.replace(GLUE, " ") for line in textwrap.wrap(text, most, break_on_hyphens=False)]
+        lines = textwrap.wrap(text, most, break_long_words=cut, break_on_hyphens=False)
+        lines = [line.replace(GLUE, " ") for line in lines]
         widest = max((width_of(line, size, bold) for line in lines), default=0.0)
         if widest <= room or most == 1:
             return "\n".join(lines)
@@ -99,13 +100,13 @@ def break_lines(text: str, room: float, size: float | None = None, bold: bool = 
 
 
 def fit_label(label: Callable[[bool], str], room: float, most: int = 2) -> str:
-    """A label in full where that fits into so many lines of so many inches, nearly alike in length, else in short.
+    """A label in full where its words fit into so many lines of so many inches, nearly alike in length, else in short.
 
     label: takes whether it is in full.
     """
     whole = width_of(label(True), normal())
     for length in [whole] if whole <= room or most == 1 else [share * whole for share in SHARES]:
-        full = break_lines(label(True), min(length, room))
+        full = break_lines(label(True), min(length, room), cut=False)
         if full.count("\n") < most and width_of(full, normal()) <= room:
             return full
     return label(False)

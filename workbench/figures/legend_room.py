@@ -1,4 +1,4 @@
-"""Legends that cover lines or points of their axes are put below them."""
+"""Legends that cover lines, points or words of their axes are put below them."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -23,7 +23,7 @@ BELOW = 0.06  # inches between the words of an axis and the legend below
 
 
 def clear(fig: Figure) -> float:
-    """Put each legend of axes that covers a line or a point of them below their words.
+    """Put each legend of axes that covers a line, a point or a word of them below the words of their axis.
 
     Returns the inches that the rows of these axes need for it.
     """
@@ -74,7 +74,8 @@ def _renderer(fig: Figure) -> Any:
 def _covers(ax: Axes, legend: Legend) -> bool:
     parts = [*legend.get_texts(), *(handle for handle in legend.legend_handles if handle is not None)]
     box = Bbox.union([part.get_window_extent() for part in parts])
-    return any(path.intersects_bbox(box, filled=False) for path in _paths(ax))
+    words = [text.get_window_extent() for text in ax.texts]
+    return any(map(box.overlaps, words)) or any(path.intersects_bbox(box, filled=False) for path in _paths(ax))
 
 
 def _paths(ax: Axes) -> Iterator[Path]:

@@ -16,16 +16,16 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, PathPatch
 from numpy.typing import NDArray
 
 from studies.laws import law_words
-from studies.laws.line_verdicts import HOLDS, VERDICTS
+from studies.laws.line_verdicts import FAILS, HOLDS, VERDICTS
 
 from ..stored import stored_verdicts
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import canvas, colours, fonts, law_panel, map_panel, print_heights
+from . import canvas, colours, fonts, law_panel, map_panel, print_heights, regions
 from .map_cells import MOST_MAPS, Cells, Choice, cells, choose, raster_of
 from .sheet import SCREEN, Sheet
 
@@ -39,6 +39,7 @@ DECIDES: dict[str, Any] = {
     "linestyle": (0, (5, 2)),
     "label": "the law is judged on this line",
 }
+FALSE: dict[str, Any] = {**colours.UNSOLVED, "facecolor": colours.VERDICTS[FAILS], "edgecolor": "white"}
 OF_VERDICTS: dict[str, Any] = {
     "cmap": ListedColormap([colours.VERDICTS[verdict] for verdict in VERDICTS]),
     "vmin": -0.5,
@@ -183,6 +184,7 @@ class _Maps:
         on_map, column = law.at(self.places[0]), self.columns[0]
         verdicts = on_map.sortby([*on_map.dims]).transpose(*column.stored["outcome"].dims).values
         column.colour(ax, _numbers(verdicts), **OF_VERDICTS)
+        _hatch_false(ax, verdicts, column.x.edges, column.y.edges)
         column.draw_borders(ax, _numbers(verdicts), colors="white", linewidths=1.0)
         self._label(ax, leaving=law.row["axis"])
         claim = f"law on the {labels.noun_of(law.row['observable'])} along {labels.axis_symbol(law.row['axis'])}"
@@ -216,7 +218,7 @@ class _Maps:
             ax.set_xlabel(fonts.break_lines(text, max(self.inches[0], 1.0)))
         if leftmost:
             label = partial(labels.axis_label, self.stored[choice.y])
-            ax.set_ylabel(label(False) if short else fonts.fit_label(label, 0.7 * self.inches[1]))
+            ax.set_ylabel(label(False) if short else fonts.fit_label(label, 0.9 * self.inches[1], most=3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -299,6 +301,7 @@ def _draw_laws(
         numbers, whole = np.ma.masked_where(verdicts == HOLDS, _numbers(verdicts)), np.array([0.0, 1.0])
         grid = (whole, scale.edges, numbers[:, None]) if upward else (scale.edges, whole, numbers[None])
         strip.pcolormesh(*grid, **OF_VERDICTS, rasterized=True)
+        _hatch_false(strip, np.reshape(verdicts, grid[2].shape), *grid[:2])
         scale.apply(strip, "y" if upward else "x")
         strip.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
         strip.set_axis_off()
@@ -310,11 +313,17 @@ def _draw_laws(
     return entries
 
 
+def _hatch_false(ax: Axes, verdicts: NDArray[np.str_], x: NDArray[np.float64], y: NDArray[np.float64]) -> None:
+    """Hatch the cells of false laws, which have no colour of their own in grey; x, y: the edges of the cells."""
+    if FAILS in verdicts:
+        ax.add_patch(PathPatch(regions.path(verdicts == FAILS, x, y), **FALSE))
+
+
 def _entries(verdicts: NDArray[np.str_], unless: str = "") -> list[Artist]:
     """The legend of the verdicts that occur, without that of one which is not drawn."""
     return [
-        Patch(facecolor=colours.VERDICTS[verdict], label=f"law {verdict} on these lines")
-        for verdict in VERDICTS
+        Patch(label=f"law {verdict} on these lines", **FALSE if verdict == FAILS else {"facecolor": colour})
+        for verdict, colour in colours.VERDICTS.items()
         if verdict in verdicts and verdict != unless
     ]
 

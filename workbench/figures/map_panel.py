@@ -45,6 +45,7 @@ SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.
 SIZES = {".": 2.8, "x": 2.4}  # points of a mark where there are many; with few cases up to `LARGER` times as many
 LARGER = 1.6
 MOST_SHAPES, FILL = 12, 0.86  # shapes along an axis; of the room of a shape that it fills
+FINE = 0.02  # inches between the places where the number of a region may stand
 HALO = Halo(2.2, 0.75)
 
 
@@ -113,7 +114,7 @@ def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float,
         if mask.any():
             ax.add_patch(PathPatch(regions.path(mask, x, y), **look))
     if scale.count and not scale.constant and pale == 1:
-        _number_regions(ax, cells, np.where(cells.unbent(name), -1.0, values), scale, inches)
+        _number_regions(ax, cells, name, np.where(cells.unbent(name), -1.0, values), scale, inches)
     if pale == 1:
         _show_samples(ax, cells, name, inches)
     for side in ("top", "right"):
@@ -174,8 +175,11 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
     ]
 
 
-def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inches: tuple[float, float]) -> None:
-    """The borders of the regions of a count, and its number in each that has room for it; the bar of colours has all.
+def _number_regions(
+    ax: Axes, cells: Cells, name: str, values: Values, scale: Colours, inches: tuple[float, float]
+) -> None:
+    """The borders of the regions of a count, and its number in each that has room for it, beside the marks of cases if
+    it can; the bar of colours has all.
 
     Many counts are taken in classes of 2, 5, 10, ..., which have their first and their last.
     """
@@ -183,14 +187,24 @@ def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inch
     step = next(step for step in steps if scale.high - scale.low <= MOST_CLASSES * step)
     classes = np.floor(values / step) * step
     cells.draw_borders(ax, classes, colors=colours.INK, linewidths=0.5, capstyle="projecting")
-    per = inches[1] / cells.y.values.size, inches[0] / cells.x.values.size
+    cell_at = [
+        np.searchsorted([axis.share(edge) for edge in axis.edges[1:-1]], np.arange(0.5, int(long / FINE)) * FINE / long)
+        for axis, long in ((cells.y, inches[1]), (cells.x, inches[0]))
+    ]
+    x, y, _ = cells.samples()
+    unmarked = np.ones([cell.size for cell in cell_at], dtype=bool)
+    for k in cells.marks(name, _one_of(cells, inches)):
+        shares = np.array([cells.y.share(y[k]), cells.x.share(x[k])])
+        unmarked[*np.minimum(shares * unmarked.shape, np.array(unmarked.shape) - 1).astype(int)] = False
     for number, area in regions.areas(classes):
         last = f"–{labels.tick(number + step - 1)}" if step > 1 else ""
         text = "nearly straight" if number < 0 else f"{labels.tick(number)}{last}"
-        size = 1.25 * fonts.small() / 72, fonts.width_of(text, fonts.small()) + 0.06
-        middle = regions.place(area, per, size)
+        size = fonts.small() / 72, fonts.width_of(text, fonts.small()) + 0.06
+        inside = area[np.ix_(*cell_at)]
+        middle = regions.place(inside & unmarked, (FINE, FINE), size) or regions.place(inside, (FINE, FINE), size)
         if middle is not None:
-            words = ax.text(cells.x.between(middle[1]), cells.y.between(middle[0]), text, ha="center", va="center",
+            up, along = np.divide(middle, unmarked.shape)
+            words = ax.text(along, up, text, transform=ax.transAxes, ha="center", va="center_baseline",
                             size=fonts.small(), color=colours.INK, path_effects=[HALO], zorder=5)  # fmt: skip
             if number < 0:  # it is wider than the distance of the cases
                 words.set_bbox({"facecolor": colours.BAND, "edgecolor": "none", "pad": 1})

@@ -59,8 +59,9 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
 
     def curve(ax: Axes) -> canvas.Said:
         assert view is not None
-        pulled = coloured and "push" not in names and any(push_scale.pulls(rod["push"]) for rod in rods.solved)
-        return [*[Line2D([], [], color=colours.PULLED, linewidth=2.2, label=push_scale.PULLS)] * pulled, *view.draw(ax)]
+        pulled = coloured and "push" not in names and any(push_scale.pulls(rod["push"]).any() for rod in rods.solved)
+        thin = Line2D([], [], color=colours.PULLED, linewidth=1.0, label=push_scale.PULLS)
+        return [*[thin] * pulled, *view.draw(ax)]
 
     rows: list[canvas.Row] = []
     for name in names:

@@ -25,8 +25,18 @@ OFF_WALL: dict[str, Any] = {  # a line upon that of the rod where no wall pushes
     "gid": "off the wall",
     "path_effects": [withStroke(linewidth=2.4, foreground=colours.SOFT)],
 }
+ON_WALL = "on the wall"  # of a line in one colour, in a legend
+TOUCH: dict[str, Any] = {  # upon the line of a rod where the wall touches it at one place
+    "color": colours.DATA,
+    "marker": "o",
+    "markersize": 3.0,
+    "markeredgewidth": 0,
+    "linestyle": "none",
+    "label": "touches the wall at one place",
+}
 WIDEST, HIGH = 2.2, 0.11  # inches of a bar of colours
 EDGE, LEAST = 1.2, 0.35  # the grey casing of a line: share of its width, and points that it adds at least
+THIN = 0.4  # of the width of a line, where the rod would lift off; where nothing pushes, its casing alone
 
 
 def scale(pushes: Sequence[Any]) -> Normalize:
@@ -60,19 +70,27 @@ def line(
 ) -> list[str]:
     """Draw a line whose colour at each point is that of the push there; returns what is to be said of its bands.
 
+    The line is thin where the rod would lift off, and thin and grey where there is no push: its form says the sign too.
+
     name: its own in a table. where: its transform; order: of drawing. inches: of a unit of x. A band of the push itself
     has the colours of its heights, another one has none.
     """
-    casing, ramp = max(width * EDGE, width + LEAST), colours.push_ramp()
+    ramp = colours.push_ramp()
     place: dict[str, Any] = {"zorder": order, "transform": where or ax.transData, "snap": False}  # both at one height
     points: NDArray[np.float64] = np.column_stack([x, y])
     middles = (points[1:] + points[:-1]) / 2
     before, after = np.vstack([points[:1], middles]), np.vstack([middles, points[-1:]])
     segments, shades = np.stack([before, points, after], axis=1), np.asarray(push, dtype=float)
+    thin = pulls(shades) | (shades == 0)
+    widths = width * np.where(thin, THIN, 1.0)
 
     def paint(of: slice) -> None:
-        ax.plot(x[of], y[of], color=colours.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, **place)
-        drawn = LineCollection(list(segments[of]), cmap=ramp, norm=norm, linewidths=width, gid=name, **place)
+        for wide in np.unique(widths[of]):
+            points = np.where((widths[of] == wide)[:, None, None], segments[of], np.nan).reshape(-1, 2)
+            ax.plot(*points.T, color=colours.SOFT, linewidth=max(wide * EDGE, wide + LEAST), solid_capstyle="round",
+                    label=CASING, **place)  # fmt: skip
+        inner = np.where(shades == 0, 0.0, widths)[of]
+        drawn = LineCollection(list(segments[of]), cmap=ramp, norm=norm, linewidths=inner, gid=name, **place)
         drawn.set(array=shades[of], capstyle="round", joinstyle="round")
         ax.add_collection(drawn)
 
@@ -91,7 +109,7 @@ def bar(ax: Axes, units: Mapping[str, str], inches: float, place: tuple[float, f
     lines = [collection for collection in ax.collections if isinstance(collection, (LineCollection, QuadMesh))]
     if not lines:
         return
-    wide = min(inches, WIDEST)
+    wide, said = min(inches, WIDEST), ax.get_legend_handles_labels()[1]
     where: dict[str, Any] = {"location": "bottom", "anchor": (0.0, 1.0), "panchor": False, "fraction": 0.05,
                              "pad": 0.02, "aspect": 20, "shrink": wide / inches}  # fmt: skip
     if place is not None:
@@ -99,6 +117,10 @@ def bar(ax: Axes, units: Mapping[str, str], inches: float, place: tuple[float, f
         where = {"orientation": "horizontal", "cax": ax.inset_axes(box, transform=ax.transData)}
     drawn = canvas.colour_bar([ax], in_habitual_unit(lines[-1].get_clim()[1] or 1.0, units), **where)
     words = trim(drawn, units, [line.get_array() for line in lines])
+    if isinstance(lines[-1], LineCollection):
+        words = words.replace("below 0", "below 0 (thin)")
+        if OFF_WALL["label"] not in said and any((np.asarray(line.get_array()) == 0).any() for line in lines):
+            words += "; grey: no push"
     if fonts.width_of(words, fonts.small()) > inches:
         words = "\n".join(fonts.break_lines(part, inches, fonts.small()) for part in words.split("; "))
     drawn.set_label(words, size=fonts.small(), loc="left")
@@ -107,17 +129,16 @@ def bar(ax: Axes, units: Mapping[str, str], inches: float, place: tuple[float, f
 def trim(drawn: Colorbar, units: Mapping[str, str], pushes: Sequence[Any]) -> str:
     """Cut the half of a bar where none of these pushes is; returns what its colours are called."""
     end = float(drawn.norm.vmax or 0.0)
-    low = -end if any(pulls(push) for push in pushes) else 0.0
+    low = -end if any(pulls(push).any() for push in pushes) else 0.0
     drawn.ax.set_xlim(low, end)
     strongest = max((size(units) * float(abs(push).max()) for push in pushes), default=0.0)
     beyond = f"; next to an end up to {plain(strongest, 2)}" if strongest > end * (1 + colours.ROUNDING) else ""
     return colours.push_words(unit(units), low) + beyond
 
 
-def pulls(push: Any) -> bool:
-    """Whether the cylinder would have to pull somewhere, by more than rounding."""
-    push = np.asarray(push, dtype=float)
-    return bool((push < -SLIGHT * np.abs(push).max()).any())
+def pulls(push: Any) -> NDArray[np.bool_]:
+    """Where the cylinder would have to pull by more than rounding, (n,)."""
+    return np.asarray(push < -SLIGHT * np.abs(push).max())
 
 
 def unit(units: Mapping[str, str]) -> str:

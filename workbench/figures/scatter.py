@@ -81,7 +81,7 @@ def _rows(stored: StoredStudy, names: Sequence[str], width: float, narrow: bool)
     across = len(blocks[0])
     tall, room = whole / len(names) / len(blocks), (width - BESIDE) / across - 0.1
 
-    def draw(name: str, field: str, fields: list[str], ax: Axes) -> None:
+    def draw(name: str, field: str, fields: list[str], ax: Axes) -> list[str]:
         ax.set_label(f"{name} against {field}")
         _draw_samples(stored.select(held), ax, name, field, room)
         ax.tick_params(labelleft=field == fields[0], labelbottom=name == names[-1])
@@ -89,8 +89,12 @@ def _rows(stored: StoredStudy, names: Sequence[str], width: float, narrow: bool)
             label = fonts.fit_label(partial(labels.axis_label, stored[field]), room)
             written = ax.xaxis.get_major_formatter()
             ax.set_xlabel(label.replace("[", "[10³ ") if isinstance(written, Ticks) and written.unit > 1 else label)
-        if field == fields[0]:
-            ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[name]), tall - BETWEEN, most=3))
+        if field != fields[0]:
+            return []
+        ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[name]), tall - BETWEEN, most=3))
+        clause = labels.long_name(stored[name]).partition(", ")[2]
+        is_lost = clause and ax.get_ylabel() == labels.label(stored[name])  # of a short label
+        return [labels.sentence(f"{labels.symbol(stored[name])}: {clause}")] * bool(is_lost)
 
     rows = [
         row

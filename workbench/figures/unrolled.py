@@ -45,6 +45,7 @@ SMALLEST = 0.1  # inches of the largest view
 WORTH = 1.7  # a scale so many times larger is worth another row of a list
 HAIRLINE, TINY = 1.1 / 72, 1e-12  # inches of the width of a line; no length
 LEAST, FLAT = 0.12, 1 / 25  # inches of a view, and share of its other direction, below which one is drawn larger
+TOUCH = 2  # stations on the wall at most, where a rod touches it at one place
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches of all upwards at most
 REACH = 2.0  # radii of the rod between a ring and its line at most: two stretches overlap within one radius of it
@@ -231,7 +232,9 @@ def _look(rod: DrawnRod, norm: Normalize | None) -> dict[str, Any]:
     """The look of the line of a rod, in the colours of the push where they have a scale."""
     if norm is not None:
         return {"push": rod["push"], "norm": norm, "width": 1.6}
-    return {"color": colours.DATA, "linewidth": 1.1}
+    pieces = _by_wall(rod)
+    lies = len(pieces) > 1 and any(on.size > TOUCH for on, away in pieces if not away)
+    return {"color": colours.DATA, "linewidth": 1.1} | ({"label": push_scale.ON_WALL} if lies else {})
 
 
 def _draw_key(ax: Axes, form: Arrangement, place: Any, unit: str) -> None:
@@ -548,12 +551,21 @@ def off_wall(rods: Sequence[DrawnRod]) -> list[str]:
 
 
 def parts_off_wall(rod: DrawnRod) -> list[tuple[Any, Any, Mapping[str, Any], str]]:
-    """Each stretch of a rod that is off the wall, white with an outline upon that of the rod, as `over` of a view."""
+    """Each stretch of a rod that is off the wall, white with an outline upon that of the rod, and a dot where it
+    touches the wall at one place, as `over` of a view."""
     x, y = rod.plane_points()
-    off = np.broadcast_to(np.abs(rod.radius - rod.rho) > STRAIGHT * rod.rho, x.shape)
-    pieces = np.split(np.arange(x.size), np.flatnonzero(np.diff(off)) + 1)
+    pieces = _by_wall(rod)
     look = {**push_scale.OFF_WALL, "linewidth": 1.6, "zorder": 3.1}
-    return [(x[on], y[on], look, f"{rod.name}, off the wall") for on in pieces if off[on[0]] and on.size > 1]
+    off = [(x[on], y[on], look, f"{rod.name}, off the wall") for on, away in pieces if away and on.size > 1]
+    dots = [on.mean(dtype=int) for on, away in pieces[1:-1] if not away and on.size <= TOUCH]
+    return [*off, *((x[[k]], y[[k]], push_scale.TOUCH | {"zorder": 3.2}, f"{rod.name}, touch") for k in dots)]
+
+
+def _by_wall(rod: DrawnRod) -> list[tuple[NDArray[np.int64], bool]]:
+    """The stretches of a rod on and off the wall, in their order: their stations, and whether they are off it."""
+    away = np.broadcast_to(np.abs(rod.radius - rod.rho) > STRAIGHT * rod.rho, rod["s"].shape)
+    pieces = np.split(np.arange(away.size), np.flatnonzero(np.diff(away)) + 1)
+    return [(on, bool(away[on[0]])) for on in pieces]
 
 
 def edges_of(rod: DrawnRod) -> list[tuple[Values, Values]]:

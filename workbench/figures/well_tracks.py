@@ -219,7 +219,7 @@ def _draw_track(rod: DrawnRod, case: "Case", name: str, unit: str, values: Any, 
     colour = colours.PUSHED if name == PUSH else colours.DATA
     said = _curve(ax, rod, values, color=colour, linewidth=1.3, gid=WORDS[name])
     ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=1)  # below the curve, which may be 0
-    if name == PUSH and push_scale.pulls(rod["push"]):
+    if name == PUSH and push_scale.pulls(rod["push"]).any():
         ax.fill_betweenx(rod["s"], 0, np.minimum(values, 0), color=colours.PULLED, linewidth=0, label="would lift off")
     # the push of a clamp would flatten all else
     _down(ax, rod, unit, WORDS[name], [_away(rod, case, values) if name == PUSH else values])
