@@ -80,7 +80,7 @@ PAGES = [
         said=("14 branches, 9 folds over 21 values of FZ", "1 branch, 0 folds over 21 values of height"),
     ),
     Page("how-to/find-what-matters", files=("matters.toml",), made=("tornado.png", "sobol_indices.png"),
-         said=("3072 cases, 0 unsolved", "height R 0.021 ± 0.078 0.448 ± 0.052")),
+         said=("3072 cases, 0 unsolved", "height R 0.021 ± 0.078 0.448 ± 0.053")),
     Page("how-to/find-what-matters", "Differentiate a solution", quick=True),
     Page(
         "how-to/fit-parameters", files=("points.csv",), status={UNDETERMINED: 1}, made=("fit.png",),
