@@ -160,7 +160,7 @@ def wrap(beta: float) -> float:
 
 
 def nearest_angle(angles: Array, angle: float) -> tuple[float, float]:
-    """That of some angles which is nearest to an angle, full turns aside, and the sine of half the way to it."""
+    """The one of some angles that is nearest to an angle, full turns aside, and the sine of half the way to it."""
     apart = np.abs(np.sin((angles - angle) / 2))
     nearest = int(np.argmin(apart))
     return float(angles[nearest]), float(apart[nearest])
