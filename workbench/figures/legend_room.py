@@ -9,8 +9,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.path import Path
 from matplotlib.transforms import Bbox, ScaledTranslation
 
@@ -73,7 +71,8 @@ def _renderer(fig: Figure) -> Any:
 
 def _covers(ax: Axes, legend: Legend) -> bool:
     parts = [*legend.get_texts(), *(handle for handle in legend.legend_handles if handle is not None)]
-    box = Bbox.union([part.get_window_extent() for part in parts])
+    boxes = [part.get_window_extent() for part in parts]
+    box = Bbox.union([each for each in boxes if np.isfinite(each.extents).all()])  # that of a dot is not known
     words = [text.get_window_extent() for text in ax.texts]
     return any(map(box.overlaps, words)) or any(path.intersects_bbox(box, filled=False) for path in _paths(ax))
 
@@ -97,7 +96,7 @@ def _move_below(fig: Figure, ax: Axes, legend: Legend) -> float:
     entries = [
         (handle, text.get_text())
         for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True)
-        if isinstance(handle, Line2D | Patch)
+        if handle is not None
     ]
     columns, labels = legend_columns([label for _, label in entries], ax.bbox.width / fig.dpi)
     words = ax.xaxis.get_tightbbox(_renderer(fig))
