@@ -237,10 +237,12 @@ def test_a_legend_that_covers_a_word_of_its_axes_is_put_below_them() -> None:
         FigureCanvasAgg(fig)
         ax = fig.add_subplot()
         ax.plot([0, 1], [0, 0], label="line")
+        ax.scatter([0, 1], [0, 0], label="dot")  # whose box in the legend is not known
         ax.set_ylim(-1, 1)
         ax.text(0.95 if covered else 0.05, 0.9, "word")
         ax.legend(loc="upper right")
         assert bool(legend_room.clear(fig)) is covered
+        assert {text.get_text() for text in ax.get_legend().get_texts()} == {"line", "dot"}
 
 
 def wound(turns: float, side: str = "outside", a: float = 1.0, beta: float = np.radians(80.0)) -> StoredStudy:
