@@ -80,7 +80,10 @@ _ROWS = (
     replace(_with_error("turns_around", "turns around", NUMBER, "turns around the cylinder"), former="wraps"),
     _with_error("pitch", "pitch", LENGTH, "height per turn about the axis, in the middle third"),
     _with_error(
-        "contact_size_mean", "mean |f|", LINE_LOAD, "mean contact force (per length; the size of push and pull)"
+        "contact_size_mean",
+        "mean |f|",
+        LINE_LOAD,
+        "mean size of the contact force (per length; of push and pull alike)",
     ),
     _with_error("push_mean", "mean push", LINE_LOAD, "mean push of the cylinder per length, pulls not counted"),
     _with_error("pull_mean", "mean pull", LINE_LOAD, "mean pull of the cylinder per length, pushes not counted"),

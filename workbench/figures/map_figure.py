@@ -165,7 +165,13 @@ class _Maps:
         value = self.stored.equations({along: where[along]}) if along else ""
         heads = [f"{law.row['claim']}: " if along else f"{law.sentence(self.stored)}; lines: " for law in laws]
         tail = f" at {value}." if value else "."
-        said = [_law_sentence(f"{head}{law.counts(where)}{tail}") for head, law in zip(heads, laws, strict=True)]
+        others = ["" if along else law_words.others(law.row, lambda of: labels.symbol(self.stored[of])) for law in laws]
+        said = [
+            _law_sentence(f"{head}{law.counts(where)}{tail} {other}".rstrip())
+            for head, law, other in zip(heads, laws, others, strict=True)
+        ]
+        if laws and column.unbent(name).any():
+            said.append("A law counts the bends of nearly straight rods too, which the map does not show.")
         title = labels.label(self.stored[name], long=True) + self.colours[name].said
         title = fonts.break_lines(title, self.inches[0] + 0.2)
         if along:
