@@ -12,7 +12,7 @@ from solver.methods import METHODS, Verlet
 from studies.language.loader import loads
 from studies.language.study import OUTPUTS
 from tests.slow import slow_but
-from tests.workbench import small
+from tests.workbench import small, study_kinds
 from tests.workbench.command import output_of
 from workbench.commands import options
 from workbench.run import in_memory, writing
@@ -93,6 +93,18 @@ def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monk
     for name in ("gamma", "F1", "contact"):
         kept.rod.along(name)
     assert len(calls) == 1
+
+
+def test_what_all_rods_have_in_common_is_told_and_not_what_an_axis_changes(full) -> None:
+    grid = full[0]
+    told = StoredStudy(grid).common_values.split(", ")
+    assert {"ν = 0.25", "L = 20 cm", "side = outside"} <= {*told}
+    assert not [text for text in told if text.startswith(("E =", "R ="))]
+    assert "R = 0.75 cm" in StoredStudy(grid.sel(R=0.75)).common_values.split(", ")
+    assert StoredStudy(grid.assign_attrs(study="no study")).common_values == ""
+    string = StoredStudy(study_kinds.well(friction=None, sizes=(1.0, 2.0)))
+    assert "FZ" not in string.common_values  # the axis changes it, under another name
+    assert "w = 0.241 kN/m" in string.common_values
 
 
 def test_a_selection_is_rebuilt_by_itself(full) -> None:

@@ -29,11 +29,11 @@ NARROW, WHOLE = 5.0, 135.0  # degrees: a narrower axis has ticks as of numbers; 
 class RoomLocator(Locator):
     """Round numbers of Matplotlib's locators, as many as have room on the axis when it is drawn.
 
-    At 1, 2 and 5 times powers of ten on a logarithmic axis, within a decade at 4 times too, or at the powers alone;
-    evenly spaced where `FEW` such numbers do not lie on it and these leave no more free at its low end than between the
-    first two, or at 1, 3 and 6; else as many of these as have room. Of evenly spaced ones on a linear axis none is left
-    out between two. of: ``counts`` are whole; ``angles`` over more
-    than `NARROW` degrees are parts and multiples of a right angle.
+    On a logarithmic axis at 1, 2 and 5 times powers of ten, within a decade at 4 times too, or at the powers alone.
+    Where `FEW` of these do not lie on the axis, they are evenly spaced, unless more stays free below the first than
+    between the first two; else at 1, 3 and 6 times. Where no such numbers fit, as many as have room; on a linear axis
+    these are the first and the last. of: ``counts`` are whole; ``angles`` over more than `NARROW` degrees are parts and
+    multiples of a right angle.
     """
 
     def __init__(self, of: str = "numbers") -> None:

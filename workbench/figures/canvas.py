@@ -127,8 +127,8 @@ def page(
     rest = labels.capital(stored.restable if rest is None and stored is not None else rest or "")
     why, head = list[str](), [rest]
     if stored is not None:
-        fixed = f"Given: {stored.fixed}." * bool(stored.fixed)
-        why = [text for text in (labels.typeset(stored.caution), fixed) if text]
+        given = f"Given: {stored.common_values}." * bool(stored.common_values)
+        why = [text for text in (labels.typeset(stored.caution), given) if text]
         head = [str(stored.attrs["title"]), stored.reading, rest]
 
     def draw(fig: Figure) -> None:

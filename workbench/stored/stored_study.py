@@ -9,7 +9,7 @@ Figures, scenes, pages and exports take one.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -142,32 +142,34 @@ class StoredStudy(StoredCases):
         return case_of(self.ds, self.study)
 
     @cached_property
-    def fixed(self) -> str:
+    def common_values(self) -> str:
         """What all cases of a study have in common, as it is given: ``ν = 0.25, a = 0.25 cm, side = inside``.
 
-        Empty for other files, and for one that was stored without its study.
+        Empty for other files, and for one whose study is not stored or cannot be read.
         """
-        if self.kind is not file_kinds.STUDY or not self.attrs.get("study"):
-            return ""
+        from studies.language.case_input import field_values
+
         from .solved_again import case_of
 
-        axes = {
-            name: self.ds[quantity_variables.dimension(name)].values.ravel() for name in self.study.variation.fields
-        }
-        ends = [case_of(self.ds, self.study, {name: values[k] for name, values in axes.items()}) for k in (0, -1)]
+        if self.kind is not file_kinds.STUDY or not self.attrs.get("study"):
+            return ""
+        try:
+            fields = self.study.variation.fields
+            axes = {name: self.ds[quantity_variables.dimension(name)].values.ravel() for name in fields}
+            places = [{name: values[k] for name, values in axes.items()} for k in (0, -1)]
+            first, last = (field_values(case_of(self.ds, self.study, place)) for place in places)
+        except InputError:
+            return ""
         varied, said = {name for name, values in axes.items() if values.size > 1}, list[str]()
-        for part, other in zip(*((case.rod, case.cylinder, case.given) for case in ends), strict=True):
-            for field in fields(part):
-                value = getattr(part, field.name)
-                is_fixed = field.name not in varied and value == getattr(other, field.name)
-                if value is None or value == field.default or not is_fixed:
-                    continue
-                if isinstance(value, str):
-                    said.append(f"{field.name} = {value}")
-                    continue
-                name = quantity_of(field.name).name
-                number = xr.DataArray(float(value), attrs=quantity_variables.labels(name, self.units), name=name)
-                said.append(labels.equation(number, float(value), 6))
+        for field, value in first.items():
+            if field in varied or last.get(field) != value:
+                continue
+            if isinstance(value, str):
+                said.append(f"{field} = {value}")
+                continue
+            name = quantity_of(field).name
+            number = xr.DataArray(value, attrs=quantity_variables.labels(name, self.units), name=name)
+            said.append(labels.equation(number, value, 6))
         return ", ".join(said)
 
     @cached_property
