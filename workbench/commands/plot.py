@@ -45,7 +45,7 @@ class PlotOptions:
         option(
             "KIND",
             "; ".join(f"{name}: {row.shows}" for name, row in figure_kinds.OF_STUDIES.items())
-            + f". Default: map for two axes of over {figure_kinds.FEW} values, rod for one case, samples, or lines.",
+            + f". Default: rod for one case, samples, map where two axes have over {figure_kinds.FEW} values, else lines.",
         ),
     ] = None
     x: Annotated[
