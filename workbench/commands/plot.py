@@ -45,7 +45,8 @@ class PlotOptions:
         option(
             "KIND",
             "; ".join(f"{name}: {row.shows}" for name, row in figure_kinds.OF_STUDIES.items())
-            + f". Default: rod for one case, samples, map where two axes have over {figure_kinds.FEW} values, else lines.",
+            + ". Default: rod for one case, samples, "
+            + f"map where two axes have over {figure_kinds.FEW} values, else lines.",
         ),
     ] = None
     x: Annotated[
